@@ -11,21 +11,19 @@ import numpy as np
 import pytest
 import yaml
 from references.command_line import refused
-from references.random_sheets import LAW, sheet, values_of
+from references.random_sheets import LAW, sheet
 
-from lsvib.assess.drive import (
+from lsvib.assess.fields import NotQuantity, quantity
+from lsvib.assess.operation import Draw
+from lsvib.assess.quantities import (
     coefficient_from_efficiency,
     lifting_efficiency,
     lowering_efficiency,
-    point,
     square_coefficient,
 )
-from lsvib.assess.fields import NotQuantity, quantity
-from lsvib.assess.mechanisms import drive_of, reserves
 from lsvib.assess.sheet import Load
 from lsvib.assess.starting import starting
 from lsvib.assess.threads import thread_size
-from lsvib.assess.vibration import vibration
 from lsvib.models import friction
 
 BASE = {
@@ -296,10 +294,10 @@ SLOW = {"speed": "10 rad/s", "direction": "out"}
 def test_the_fall_of_the_law_decides_from_the_onset_force_on():
     """At 10 rad/s C_0 + S vanishes at R = 64.305 N, where the law is that of the powered seat, without drag."""
     given = sheet(friction=LAW, operation=SLOW)
-    values = values_of(given)
-    found = [float(reserves(given, values, 1, 10.0, -force)["falling_friction"]) for force in (64.304, 64.307)]
+    draw = Draw.of(given)
+    found = [float(draw.at(1, 10.0, -force).reserves["falling_friction"]) for force in (64.304, 64.307)]
     assert found[0] > 0 > found[1]
-    below, above = (vibration(given, values, (1, 10.0, -force)) for force in (62.0, 67.0))
+    below, above = (draw.at(1, 10.0, -force).motion() for force in (62.0, 67.0))
     assert (below.attractor, above.attractor) == ("steady sliding", "stick slip cycle")
     assert above.load_speed[0] == 0 < above.amplitude
 
@@ -307,11 +305,11 @@ def test_the_fall_of_the_law_decides_from_the_onset_force_on():
 def test_a_start_from_rest_keeps_jerking_up_to_the_stated_speed():
     """On either side of it by two parts in a thousand; small perturbations decay there, as steady sliding is stable."""
     given = sheet(friction={**LAW, "static": 0.4}, operation=SLOW, load={"mass": "1 kg", "force": "-60 N"})
-    values = values_of(given)
-    edge = starting(given, values, ()).even_speed
-    moved = [vibration(given, values, (1, part * edge, -60.0), perturbation=None) for part in (0.998, 1.002)]
+    draw = Draw.of(given)
+    edge = starting(draw, ()).even_speed
+    moved = [draw.at(1, part * edge, -60.0).motion(None) for part in (0.998, 1.002)]
     assert [one.vibrates for one in moved] == [True, False]
-    assert vibration(given, values, (1, 0.998 * edge, -60.0)).attractor == "steady sliding"
+    assert draw.at(1, 0.998 * edge, -60.0).motion().attractor == "steady sliding"
 
 
 @pytest.mark.parametrize("exponent", [1, 2])
@@ -320,14 +318,13 @@ def test_a_flank_angle_raises_all_of_the_law_alike(exponent):
     law = {**LAW, "static": 0.25, "stribeck_exponent": exponent}
     thread = {"lead_angle": "5.57 deg", "pitch_diameter": "10.36 mm", "half_angle": "25 deg"}
     given, flat = sheet(friction=law, thread=thread), sheet(friction=law)
-    values = values_of(given)
-    drive, level = drive_of(given, values, 1, 3.0, 20.0), drive_of(flat, values_of(flat), 1, 3.0, 20.0)
+    drive, level = (Draw.of(one).at(1, 3.0, 20.0).rigid for one in (given, flat))
     factor = square_coefficient(1.0, drive.lead_angle, math.radians(25))
     for key in ("friction_coefficient", "static_friction_coefficient", "stribeck_rise", "friction_slope"):
         assert getattr(drive, key) == pytest.approx(factor * getattr(level, key), rel=1e-14)
     assert (drive.stribeck_speed, drive.stribeck_exponent) == (0.013704, exponent)
-    parameters, slope = point(given, values, 1, 3.0, 20.0)
+    coefficient, slope = Draw.of(given).at(1, 3.0, 20.0).friction
     speed = friction.steady_speed(drive.replace(input_speed=3.0).exact())
     expected = float(friction.coefficient(drive.exact(), speed))
-    assert parameters["friction_coefficient"] == pytest.approx(expected, rel=1e-14)
+    assert coefficient == pytest.approx(expected, rel=1e-14)
     assert slope == pytest.approx(float(friction.unbounded(drive.exact(), speed)[1]), rel=1e-14)

@@ -5,15 +5,14 @@ import math
 import numpy as np
 import pytest
 from references import newton
-from references.random_sheets import LAW, sheet, values_of
+from references.random_sheets import LAW, sheet
 
-from lsvib.assess import drive as sheets
 from lsvib.assess.assessment import assess
 from lsvib.assess.chart import charts
 from lsvib.assess.margins import margins, sensitivities
-from lsvib.assess.mechanisms import NAMES, corners, drive_of, reserves, worst
+from lsvib.assess.mechanisms import NAMES
+from lsvib.assess.operation import Draw
 from lsvib.assess.sheet import Sheet
-from lsvib.assess.vibration import tolerated_perturbation
 from lsvib.dynamics.attractor import Attractor, steady_state
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients, damping_by_slope
@@ -30,12 +29,12 @@ def test_the_chapters_drive_has_the_thresholds_of_the_figures():
     given = sheet(
         load={"mass": "1 kg", "force": "-40 N"}, damping={"rotational": "2e-4 N*m*s/rad", "translational": "1000 N*s/m"}
     )
-    found = margins(given, values_of(given))
+    found = margins(Draw.of(given))
     of = {name: {row.quantity: row for row in table} for name, table in found.items()}
     screw = Drive.of({"mass": 1.0, "translation_damping": 1e3, "axial_force": 40.0})
     assert of["kinematic_constraint"]["mass"].value == pytest.approx(critical_value(screw, "mass"), rel=1e-9)
     assert of["negative_damping"]["force"].value == pytest.approx(-threshold_force(screw, "onset"), rel=1e-12)
-    chart = charts(given, values_of(given))[0]
+    chart = charts(Draw.of(given))[0]
     for label, name in (("standstill", "stick"), ("lose contact", "detach")):
         force = threshold_force(screw, name)
         line = next(line for name, line in chart.boundaries.items() if label in name)
@@ -60,11 +59,11 @@ def test_the_chapters_drive_has_the_verdicts_of_the_figures(mass, translational,
         load={"mass": f"{mass} kg", "force": f"{force} N"},
         damping={"rotational": "2e-4 N*m*s/rad", "translational": f"{translational} N*s/m"},
     )
-    values = values_of(given)
-    found = worst(given, values)
+    draw = Draw.of(given)
+    found = draw.worst
     assert {name for name, one in found.items() if one.reserve[0] < 0 and name != "after_perturbation"} == occurring
-    for corner in corners(given, values):
-        assert unstable(drive_of(given, values, *corner)) == bool(occurring)
+    for corner in draw.corners:
+        assert unstable(corner.rigid) == bool(occurring)
     fed = (translational, force) == (1000, -18)  # the drag makes the load resist; under law + it would feed a swing
     assert (found["after_perturbation"].reserve[0] < 0) == (fed or (mass == 11 and force > 0))
 
@@ -108,11 +107,11 @@ def test_a_mechanism_occurs_exactly_where_the_drive_is_unstable(parts):
     seen = {True: 0, False: 0}
     for seed in range(60):
         given = random_sheet(seed, support="support" in parts, contact="threads" in parts)
-        values = values_of(given)
-        for corner in corners(given, values):
-            own = [one for name, one in reserves(given, values, *corner).items() if name in NAMES]
+        draw = Draw.of(given)
+        for corner in draw.corners:
+            own = [one for name, one in corner.reserves.items() if name in NAMES]
             if abs(min(own)) > 1e-9:
-                found = unstable(drive_of(given, values, *corner, parts))
+                found = unstable(corner.drive)
                 assert found == (min(own) < 0), (seed, corner)
                 seen[found] += 1
     assert min(seen.values()) > 1
@@ -123,19 +122,18 @@ def test_margins_of_a_supported_drive_are_the_certain_boundaries():
     seen = 0
     for seed in range(6):
         given = slide(seed)
-        values = values_of(given)
-        corner = corners(given, values)[0]
-        assert reserves(given, values, *corner)["law"] > 0
-        table = {row.quantity: row for row in margins(given, values)["mode_coupling"]}
-        drive = drive_of(given, values, *corner, ("support",))
-        for key, quantity in (("mass", "mass"), ("axial_support_damping", "support_damping")):
+        draw = Draw.of(given)
+        corner = draw.corners[0]
+        assert corner.reserves["law"] > 0
+        table = {row.quantity: row for row in margins(draw)["mode_coupling"]}
+        drive = corner.drive
+        for quantity in ("mass", "axial_support_damping"):
             value = table[quantity].value
             if value is None:
                 continue
-            at = sheets.quantities(given, sheets.nominal_draw(given)) | {quantity: value}
-            if abs(worst(given, at)["negative_damping"].reserve[0]) < 1e-9:
+            if abs(draw.changed(**{quantity: value}).worst["negative_damping"].reserve[0]) < 1e-9:
                 continue  # there the cause changes its name, not the stability
-            ends = [float(x) for pair in stable_set(drive, key).intervals for x in pair]
+            ends = [float(x) for pair in stable_set(drive, quantity).intervals for x in pair]
             assert min(abs(value / end - 1) for end in ends if end > 0) < 1e-9, (seed, quantity)
             seen += 1
     assert seen > 4
@@ -185,12 +183,12 @@ def test_no_point_of_the_window_is_worse_than_its_corners(more):
             screw={"inertia": "3.12e-6 kg*m^2", "mass": "2 kg"},
             **more,
         )
-        values = values_of(given)
-        found = worst(given, values)
-        speed = rng.uniform(values["speed_low"], values["speed_high"], 3000)
-        force = rng.uniform(values["force_low"], values["force_high"], 3000)
+        draw = Draw.of(given)
+        found = draw.worst
+        speed = rng.uniform(draw.values["speed_low"], draw.values["speed_high"], 3000)
+        force = rng.uniform(draw.values["force_low"], draw.values["force_high"], 3000)
         for direction in (1, -1):
-            inside = reserves(given, values, direction, speed, force)
+            inside = draw.at(direction, speed, force).reserves
             for name, one in found.items():
                 assert one.reserve[0] <= inside[name].min() + 1e-9, name
 
@@ -203,12 +201,11 @@ def test_under_one_force_the_speed_at_which_the_drag_balances_it_is_looked_at():
         friction={"coefficient": 0.218, "slope": "0.3 s/m"},
         damping={"rotational": "2e-4 N*m*s/rad", "translational": "1000 N*s/m"},
     )
-    values = values_of(given)
-    found = worst(given, values)["negative_damping"]
-    direction, speed, force = corners(given, values)[found.corner[0]]
-    ends = [reserves(given, values, 1, end, -50.0)["negative_damping"] for end in (10.0, 150.0)]
+    draw = Draw.of(given)
+    found = draw.worst["negative_damping"]
+    ends = [draw.at(1, end, -50.0).reserves["negative_damping"] for end in (10.0, 150.0)]
     assert found.reserve[0] < 0 < min(ends)
-    drive = drive_of(given, values, direction, speed, force)
+    drive = draw.corners[found.corner[0]].rigid
     c = coefficients(drive)
     assert float(c.damping[1]) < 0  # and the slope of friction adds next to nothing
     assert abs(float(c.net_force)) < 1e-6 < float(coefficients(drive.replace(input_speed=10.0)).net_force)
@@ -223,10 +220,9 @@ def test_a_perturbation_starts_vibration_in_fig_8_14b_and_not_in_a(force, verdic
     assert found.verdict == verdict
     if verdict == "steady":
         return
-    values = values_of(given)
-    corner = found.mechanisms["after_perturbation"].corner
-    size, _ = tolerated_perturbation(given, values, corner)
-    drive = drive_of(given, values, *corner)
+    corner = found.mechanisms["after_perturbation"].there
+    size, _ = corner.tolerated
+    drive = corner.rigid
     assert steady_state(rigid_automaton(drive), standing_state(drive)).label == Attractor.SPRAG_SLIP_CYCLE
     ends = {
         (sign, part): steady_state(rigid_automaton(drive), [0.0, sign * part * size]).label
@@ -242,23 +238,23 @@ def test_derivatives_are_those_of_the_closed_forms():
     given = sheet(
         load={"mass": "6 kg", "force": "-40 N"}, damping={"rotational": "2e-4 N*m*s/rad", "translational": "800 N*s/m"}
     )
-    values = values_of(given)
-    found = sensitivities(given, values)
-    c = coefficients(drive_of(given, values, *corners(given, values)[0]))
+    draw = Draw.of(given)
+    found = sensitivities(draw)
+    c = coefficients(draw.corners[0].rigid)
     inertia = 3.12e-6
     turned = inertia - float(c.gamma[1])
     slope = 2 * inertia * turned / (inertia + turned) ** 2
     assert found["kinematic_constraint"]["mass"] == pytest.approx(-slope, rel=1e-12)
-    assert found["kinematic_constraint"]["inertia"] == pytest.approx(slope, rel=1e-12)
-    supported, quantities = random_sheet(7, support=True), ["mass", "friction", "lead", "pitch_diameter"]
+    assert found["kinematic_constraint"]["screw_inertia"] == pytest.approx(slope, rel=1e-12)
+    supported, quantities = random_sheet(7, support=True), ["mass", "friction_coefficient", "lead", "pitch_diameter"]
     law = sheet(friction=LAW, operation={"speed": "10 rad/s"}, load={"mass": "1 kg", "force": "-60 N"})
-    of_law = ["friction", "stribeck_rise", "stribeck_speed", "friction_slope"]
+    of_law = ["friction_coefficient", "stribeck_rise", "stribeck_speed", "friction_slope"]
     for one, names in ((given, quantities), (supported, quantities), (law, of_law)):
-        base = values_of(one)
-        table = sensitivities(one, base)
-        for quantity in (*names, "rotational_damping"):
+        base = Draw.of(one)
+        table = sensitivities(base)
+        for quantity in (*names, "support_damping"):
             step = 1e-6
-            ends = [worst(one, {**base, quantity: base[quantity] * (1 + sign * step)}) for sign in (1, -1)]
+            ends = [base.scaled([quantity], 1 + sign * step).worst for sign in (1, -1)]
             for name, row in table.items():
                 difference = float((ends[0][name].reserve[0] - ends[1][name].reserve[0]) / (2 * step))
                 assert row[quantity] == pytest.approx(difference, rel=1e-4, abs=1e-7), (name, quantity)
@@ -293,9 +289,9 @@ def test_slope_damping_against_eigenvalues_with_forty_digits():
 def test_friction_that_falls_with_speed_sets_in_where_its_damping_is_spent():
     """At the margin of the slope the sum of the dampings vanishes, on lifting as well."""
     given = sheet(load={"mass": "1 kg", "force": "60 N"}, friction={"coefficient": 0.218, "slope": "-0.01 s/m"})
-    values = values_of(given)
-    table = {row.quantity: row for row in margins(given, values)["falling_friction"]}
-    drive = drive_of(given, values, *corners(given, values)[0])
+    draw = Draw.of(given)
+    table = {row.quantity: row for row in margins(draw)["falling_friction"]}
+    drive = draw.corners[0].rigid
     lead = math.cos(drive.lead_angle), math.tan(drive.lead_angle)
     critical = -drive.support_damping / damping_by_slope(1.0, 60.0, 0.218, drive.pitch_radius, *lead, -1)
     assert table["friction_slope"].value == pytest.approx(critical, rel=1e-10)

@@ -17,9 +17,9 @@ from lsvib.assess import pictures
 from lsvib.assess.assessment import assess
 from lsvib.assess.chart import KINDS, charts
 from lsvib.assess.output import assess_file
-from lsvib.assess.report import compare, shown_mechanisms
+from lsvib.assess.report import compare
 from lsvib.assess.sheet import Sheet
-from lsvib.assess.vibration import STRONG, vibration
+from lsvib.assess.vibration import STRONG
 from lsvib.assess.words import ATTRACTORS, change, percent, shown
 from lsvib.errors import InputError
 from lsvib.figures import style
@@ -179,7 +179,7 @@ def test_a_motion_that_is_shown_is_resolved(spiky, speed):
     Twenty samples of an arc of a sine miss its extreme by less than 1 - cos(π/40) = 0.3 %.
     """
     corner = -1, speed * 2 * math.pi / 2e-3, 0.0
-    shown = vibration(spiky.sheet, spiky.values, corner, perturbation=-STRONG)
+    shown = spiky.draw.at(*corner).motion(-STRONG)
     assert shown.time[-1] * shown.frequency == pytest.approx(6)
     late = shown.time > 0.5 * shown.time[-1]
     ends = shown.speed[late].min(), shown.speed[late].max()
@@ -195,7 +195,7 @@ def test_with_friction_at_rest_nothing_is_called_steady_for_good():
     found = assess(given, samples=64)
     assert found.nominal.vibration.vibrates
     assert found.mechanisms["after_perturbation"].reserve > 0
-    kinds = {KINDS[flag] for chart in charts(given, found.values) for flag in np.unique(chart.kind)}
+    kinds = {KINDS[flag] for chart in charts(found.draw) for flag in np.unique(chart.kind)}
     assert "steady_once_started" in kinds
     assert not kinds & {"steady", "steady_until_perturbed"}
 
@@ -203,7 +203,7 @@ def test_with_friction_at_rest_nothing_is_called_steady_for_good():
 def test_words_lie_inside_the_picture_and_not_on_others(spiky):
     """Names of quantities are long, and factors stand at both ends of a decade."""
     drawings = [(draw, spiky, name) for draw in (pictures.margin_chart, pictures.sensitivity_chart)
-                for name in shown_mechanisms(spiky)] + [(pictures.screw_chart, spiky.worst)]  # fmt: skip
+                for name in spiky.names] + [(pictures.screw_chart, spiky.worst)]  # fmt: skip
     for draw, *arguments in drawings:
         figure = style.styled(lambda _, draw=draw, arguments=arguments: draw(*arguments))(None)
         figure.canvas.draw()

@@ -5,16 +5,19 @@ import math
 import numpy as np
 import pytest
 import yaml
-from references.random_sheets import random_sheet, sheet, values_of
+from references.random_sheets import random_sheet, sheet
 
 from lsvib.assess.assessment import assess
-from lsvib.assess.drive import lifting_efficiency, sliding_speed
 from lsvib.assess.margins import ANY, margins
-from lsvib.assess.mechanisms import NAMES, applicable, corners, directions, drive_of, reserves, worst
+from lsvib.assess.mechanisms import NAMES
+from lsvib.assess.operation import Draw
 from lsvib.assess.output import as_json
+from lsvib.assess.quantities import lifting_efficiency, sliding_speed
+from lsvib.assess.report import report
 from lsvib.assess.sheet import Sheet
-from lsvib.assess.summary import brief, rows
-from lsvib.assess.vibration import tolerated_by_trial, tolerated_perturbation
+from lsvib.assess.summary import brief
+from lsvib.assess.vibration import tolerated_by_trial
+from lsvib.assess.window import applicable
 from lsvib.assess.words import ATTRACTORS
 from lsvib.dynamics.attractor import Attractor, steady_state
 from lsvib.errors import InputError
@@ -73,8 +76,8 @@ def test_a_fall_of_friction_that_upsets_a_supported_drive_is_called_by_its_name(
         "support": {"stiffness": "1e7 N/m", "damping": "100 N*s/m"},
     }
     level, falling = sheet(**given), sheet(**given, friction={"coefficient": 0.218, "slope": "-0.2 s/m"})
-    assert all(worst(level, values_of(level))[name].reserve[0] > 0 for name in applicable(level))
-    found = worst(falling, values_of(falling))
+    assert all(Draw.of(level).worst[name].reserve[0] > 0 for name in applicable(level))
+    found = Draw.of(falling).worst
     assert found["falling_friction"].reserve[0] < 0
     assert found["mode_coupling"].reserve[0] > 0
 
@@ -82,13 +85,13 @@ def test_a_fall_of_friction_that_upsets_a_supported_drive_is_called_by_its_name(
 def test_a_damping_that_is_not_given_has_a_margin_in_its_own_unit():
     """Rotational damping ends negative damping where C_0 = 0; damping of the load starts it at C_0 = 0."""
     fed = sheet(load={"mass": "1 kg", "force": "-60 N"}, damping={"translational": "1000 N*s/m"})
-    values = values_of(fed)
-    row = next(row for row in margins(fed, values)[ANY] if row.quantity == "rotational_damping")
+    draw = Draw.of(fed)
+    row = next(row for row in margins(draw)[ANY] if row.quantity == "support_damping")
     assert row.factor is None
-    at = conditions(drive_of(fed, values, *corners(fed, values)[0]))["negative_damping"].margins
+    at = conditions(draw.corners[0].rigid)["negative_damping"].margins
     assert row.value == pytest.approx(at["negative_effective_damping"], rel=1e-12)
     calm = sheet(load={"mass": "1 kg", "force": "-60 N"})
-    row = next(row for row in margins(calm, values_of(calm))[ANY] if row.quantity == "translational_damping")
+    row = next(row for row in margins(Draw.of(calm))[ANY] if row.quantity == "translation_damping")
     xi = (0.218 - TANGENT) / (1 + 0.218 * TANGENT)
     # Beyond c_x = R / (r_m tan λ Ω) the load would resist; 60 N are enough for the damping at which C_0 vanishes.
     assert row.value == pytest.approx(2e-4 / (xi * TANGENT * 5.18e-3**2), rel=1e-9)
@@ -97,19 +100,18 @@ def test_a_damping_that_is_not_given_has_a_margin_in_its_own_unit():
 def test_advice_makes_the_drive_steady_as_a_whole():
     """Two causes at once: on the far side of each margin none of them occurs, on the near side one does."""
     given = sheet(load={"mass": "12 kg", "force": "-60 N"}, damping={"translational": "1000 N*s/m"})
-    values = values_of(given)
-    assert {name for name, one in worst(given, values).items() if one.reserve[0] < 0} >= {
+    draw = Draw.of(given)
+    assert {name for name, one in draw.worst.items() if one.reserve[0] < 0} >= {
         "negative_damping",
         "kinematic_constraint",
     }
-    rows = [row for row in margins(given, values)[ANY] if row.factor is not None]
+    rows = [row for row in margins(draw)[ANY] if row.factor is not None]
     keys = {"force": ("force_low", "force_high"), "speed": ("speed_low", "speed_high")}
     assert len(rows) > 4
     for row in rows:
         for side, steady in ((1 + 1e-9, True), (1 - 1e-9, False)):
             factor = row.factor * (side if row.factor > 1 else 2 - side)
-            changed = {**values, **{key: values[key] * factor for key in keys.get(row.quantity, (row.quantity,))}}
-            found = worst(given, changed)
+            found = draw.scaled(keys.get(row.quantity, (row.quantity,)), factor).worst
             assert all(found[name].reserve[0] >= 0 for name in NAMES if name in found) == steady, row
 
 
@@ -136,13 +138,13 @@ def test_what_compliant_threads_tolerate_is_decided_by_their_own_motions(stiffne
         damping={"rotational": "1e-3 N*m*s/rad"},
         contact={"stiffness": stiffness, "damping": damping},
     )
-    values = values_of(given)
-    corner = corners(given, values)[0]
-    stiff, _ = tolerated_perturbation(given, values, corner)
-    size, sentence = tolerated_by_trial(given, values, corner, stiff)
+    draw = Draw.of(given)
+    corner = draw.corners[0]
+    stiff, _ = corner.tolerated
+    size, sentence = tolerated_by_trial(corner.drive, stiff)
     assert size == pytest.approx(share * stiff, rel=0.01 if share == 1 else 0.05)
     assert "perfectly stiff" in sentence
-    drive = drive_of(given, values, *corner, ("threads",))
+    drive = corner.drive
     automaton = automaton_of(drive)
 
     def ends(part: float) -> set:
@@ -184,8 +186,8 @@ def test_a_load_that_resists_by_its_drag_alone_does_not_hide_a_vibration(changes
     assert found.verdict == "jerks"  # a start from rest is such a perturbation
     assert as_json(found)["after_perturbation"] == {"possible": True, "probability": 1.0, "interval": [1.0, 1.0]}
     assert found.nominal.vibration.vibrates
-    corner = found.mechanisms["after_perturbation"].corner
-    size, _ = tolerated_perturbation(found.sheet, found.values, corner)
+    corner = found.mechanisms["after_perturbation"].there
+    size, _ = corner.tolerated
     assert size == (None if survived is None else pytest.approx(survived, abs=0.01))
 
 
@@ -202,7 +204,7 @@ def test_a_verdict_of_steady_is_never_given_where_a_perturbation_starts_vibratio
         verdicts.append(found.verdict)
         if found.verdict != "steady":
             continue
-        automaton = rigid_automaton(drive_of(given, found.values, *corners(given, found.values)[0]))
+        automaton = rigid_automaton(found.draw.corners[0].rigid)
         for speed in (-200.0, -39.0, 20.0, 400.0):
             assert steady_state(automaton, [0.0, speed]).label == Attractor.STEADY_SLIDING
     assert min(verdicts.count("steady"), verdicts.count("jerks")) > 3
@@ -218,7 +220,7 @@ def test_a_fall_between_two_points_of_a_curve_is_not_passed_over():
         found = assess(sheet(**given, operation=operation), samples=64)
         assert found.mechanisms["falling_friction"].occurs == falls
         if falls:
-            assert 0.0106 < lever * found.mechanisms["falling_friction"].corner[1] < 0.0109
+            assert 0.0106 < lever * found.mechanisms["falling_friction"].there.speed < 0.0109
 
 
 def test_every_end_of_a_motion_has_plain_words():
@@ -235,10 +237,10 @@ def test_both_directions_are_mirror_images(direction):
         operation={"speed": ["20 rad/s", "40 rad/s"], "direction": direction},
         damping={"rotational": "2e-4 N*m*s/rad", "translational": "300 N*s/m"},
     )
-    values = values_of(given)
-    for corner in corners(given, values):
-        mirrored = (-corner[0], corner[1], -corner[2])
-        one, other = reserves(given, values, *corner), reserves(given, values, *mirrored)
+    draw = Draw.of(given)
+    for corner in draw.corners:
+        mirrored = draw.at(-corner.direction, corner.speed, -corner.force)
+        one, other = corner.reserves, mirrored.reserves
         assert {name: float(x) for name, x in one.items()} == {name: float(x) for name, x in other.items()}
 
 
@@ -281,11 +283,11 @@ FROM_REST = """
 """
 
 
-def lowest_of_dense(given, values, name):
+def lowest_of_dense(draw, name):
     """The lowest reserve over a dense grid of the window, as far as it is not where friction is at the cut."""
-    speeds = np.geomspace(values["speed_low"], values["speed_high"], 4000)
-    forces = np.linspace(values["force_low"], values["force_high"], 9)[:, None]
-    return min(float(np.nanmin(reserves(given, values, side, speeds, forces)[name])) for side in directions(given))
+    speeds = np.geomspace(draw.values["speed_low"], draw.values["speed_high"], 4000)
+    forces = np.linspace(draw.values["force_low"], draw.values["force_high"], 9)[:, None]
+    return min(float(np.nanmin(draw.at(side, speeds, forces).reserves[name])) for side in draw.sheet.directions)
 
 
 def test_a_fall_of_friction_between_two_speeds_is_seen():
@@ -294,9 +296,8 @@ def test_a_fall_of_friction_between_two_speeds_is_seen():
     found = assess(given, samples=64)
     assert found.verdict == "vibrates"
     one = found.mechanisms["falling_friction"]
-    values = values_of(given)
-    assert one.reserve == pytest.approx(lowest_of_dense(given, values, "falling_friction"), abs=1e-5)
-    assert 3.8 < one.corner[1] * 30 / np.pi < 26
+    assert one.reserve == pytest.approx(lowest_of_dense(found.draw, "falling_friction"), abs=1e-5)
+    assert 3.8 < one.there.speed * 30 / np.pi < 26
 
 
 def windows(seed, indices):
@@ -307,16 +308,16 @@ def windows(seed, indices):
             given = Sheet.of(random_sheet(seed, index))
         except InputError:
             continue
-        values = values_of(given)
-        if values["speed_low"] == values["speed_high"]:
-            low, high = 0.02 * values["speed_low"], 50 * values["speed_high"]
+        draw = Draw.of(given)
+        if draw.values["speed_low"] == draw.values["speed_high"]:
+            low, high = 0.02 * draw.values["speed_low"], 50 * draw.values["speed_high"]
             speed = [f"{low!r} rad/s", f"{high!r} rad/s"]
             given = Sheet.of({**random_sheet(seed, index), "operation": {"speed": speed}})
-            values = values_of(given)
-        found = worst(given, values)
+            draw = Draw.of(given)
+        found = draw.worst
         own = {name: one.reserve[0] for name, one in found.items() if name != "after_perturbation"}
         if not np.isnan(list(own.values())).any() and min(own.values()) >= 0:
-            dense = min(lowest_of_dense(given, values, name) for name in own)
+            dense = min(lowest_of_dense(draw, name) for name in own)
             assert dense >= -1e-6, (index, dense, own)
         looked += 1
     return looked
@@ -359,7 +360,7 @@ def test_no_guessed_damping_lessens_what_a_brake_must_hold(damping):
 def test_a_lead_beside_a_nominal_diameter_needs_its_starts():
     """With one start the pitch diameter of 8 × 8 would be 4 mm; a Tr 8x8 P2 has four, and 7 mm."""
     thread = {"lead": "8 mm", "nominal_diameter": "8 mm", "starts": 4}
-    assert values_of(sheet_of(LIFT, thread=thread))["pitch_diameter"] == pytest.approx(7e-3)
+    assert Draw.of(sheet_of(LIFT, thread=thread)).values["pitch_diameter"] == pytest.approx(7e-3)
 
 
 def test_vibration_that_starts_from_rest_alone_is_seen():
@@ -371,7 +372,7 @@ def test_vibration_that_starts_from_rest_alone_is_seen():
 def test_the_row_of_vibration_says_what_was_drawn():
     given = sheet_of(UNDAMPED, operation={"speed": "10 mm/s"}, damping={"rotational": "1e-3 N*m*s/rad"})
     found = assess(given, samples=64)
-    assert rows(found)[0][2] == "steady in all drives that were drawn"
+    assert "steady in all drives that were drawn</td>" in report(found, [])
 
 
 def test_changes_name_a_damping_that_the_sheet_does_not_give():

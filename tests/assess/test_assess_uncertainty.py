@@ -7,17 +7,16 @@ import pytest
 from references.random_sheets import sheet
 
 from lsvib import Drive
-from lsvib.assess import drive as sheets
 from lsvib.assess.assessment import assess
 from lsvib.assess.chart import KINDS, charts
 from lsvib.assess.margins import changeable
-from lsvib.assess.mechanisms import corners, directions, drive_of, reserves
+from lsvib.assess.operation import Draw
 from lsvib.assess.output import as_json
 from lsvib.assess.report import report
 from lsvib.assess.sheet import Sheet
 from lsvib.assess.starting import evenly
 from lsvib.assess.summary import brief
-from lsvib.assess.uncertainty import draw_of, evaluated, study
+from lsvib.assess.uncertainty import evaluated, study
 from lsvib.dynamics.attractor import Attractor, steady_state
 from lsvib.models.rigid import rigid_automaton
 from lsvib.stability.force_thresholds import threshold_force
@@ -39,14 +38,11 @@ FED = {
 def simulated_share(given: Sheet, count: int, seed: int) -> float:
     """Share of independently drawn drives that, simulated from near steady sliding, end in anything else."""
     rng = np.random.default_rng(seed)
-    draw = draw_of(given, rng.random((len(sheets.random_entries(given)), count)))
     hits = 0
-    for k in range(count):
-        one = {key: float(np.ravel(value)[k] if np.size(value) > 1 else value) for key, value in draw.items()}
-        values = {key: float(value) for key, value in sheets.quantities(given, one).items()}
+    for shares in rng.random((len(given.random), count)).T:
         ends = []
-        for corner in corners(given, values):
-            drive = drive_of(given, values, *corner)
+        for corner in Draw.of(given, shares).corners:
+            drive = corner.rigid
             ends.append(steady_state(rigid_automaton(drive), [0.0, 1e-6 * drive.input_speed]).label)
         hits += any(end != Attractor.STEADY_SLIDING for end in ends)
     return hits / count
@@ -82,11 +78,11 @@ def test_the_worst_case_is_at_least_as_bad_as_every_sample():
     """The search ends below all samples, at the heaviest load with the highest friction."""
     given = sheet(**KINEMATIC)
     found = assess(given, samples=1024)
-    reserve = reserves(given, found.worst.values, *found.worst.corner)["kinematic_constraint"]
+    reserve = found.worst.there.reserves["kinematic_constraint"]
     rng = np.random.default_rng(8)
     shares = rng.random((2, 4000))
     assert reserve <= evaluated(given, shares)["kinematic_constraint"].min() + 1e-12
-    assert found.worst.entries["load.mass"] == pytest.approx(16, rel=1e-3)
+    assert found.worst.there.draw.entries["load.mass"] == pytest.approx(16, rel=1e-3)
     assert found.worst.vibration.attractor == "sprag slip cycle"
 
 
@@ -110,7 +106,7 @@ def test_a_drive_whose_basin_is_the_whole_plane_is_steady_however_narrow_its_ran
         perturbed = as_json(found)["after_perturbation"]
         assert (perturbed["possible"], perturbed["probability"]) == (False, 0)
         assert perturbed["interval"][1] == 0 if given == stiffness else 0 < perturbed["interval"][1] < 0.04
-        page = report(found, charts(found.sheet, found.values))
+        page = report(found, charts(found.draw))
         assert "can start vibration" not in page
 
 
@@ -122,15 +118,14 @@ def test_how_often_a_perturbation_starts_vibration_is_how_often_the_force_is_bel
     force = {"low": "10 N", "mode": "49 N", "high": "100 N"}
     given = sheet(load={"mass": "11 kg", "force": force}, **GENTLE)
     found = assess(given, samples=512)
-    values = found.values
-    edge = -threshold_force(drive_of(given, values, *corners(given, values)[0]), "global_stability")
+    edge = -threshold_force(found.draw.corners[0].rigid, "global_stability")
     share = (edge - 10) ** 2 / (90 * 39)  # of a triangle, on its rising side
     chance = found.mechanisms["after_perturbation"]
     assert chance.interval[0] < share < chance.interval[1] < chance.interval[0] + 0.25
     assert chance.probability == pytest.approx(share, abs=0.02)
     assert found.verdict == "steady until perturbed"
-    assert found.worst.tolerated[0] < abs(values["speed_low"])
-    chart = charts(given, values)[0]
+    assert found.worst.tolerated[0] < found.draw.values["speed_low"]
+    chart = charts(found.draw)[0]
     wanted = [KINDS.index(kind) for kind in ("steady_until_perturbed", "jerks_from_rest")]  # a start is a perturbation
     upset = np.isin(chart.kind[:, -1], wanted)
     step, stretch = chart.force[1] - chart.force[0], 1.5  # of the highest speed in the chart
@@ -143,9 +138,9 @@ def test_what_the_basin_does_not_cover_is_not_known():
     given = sheet(load={"mass": ["10.9 kg", "11 kg"], "force": "50 N"}, contact=contact, **GENTLE)
     found = assess(given, samples=64)
     assert as_json(found)["after_perturbation"] == {"possible": None, "probability": None, "interval": None}
-    page = report(found, charts(given, found.values))
+    page = report(found, charts(found.draw))
     assert "Whether a perturbation can start vibration is not known." in page
-    assert {KINDS[k] for k in np.unique(charts(given, found.values)[0].kind)} >= {"steady_once_started"}
+    assert {KINDS[k] for k in np.unique(charts(found.draw)[0].kind)} >= {"steady_once_started"}
 
 
 # T-RO 2021, drive 1 (docs/friction.md), with the stiffness that its own record shows: it jerks at 2 rpm, not at 10.
@@ -166,8 +161,8 @@ def test_the_first_line_says_that_it_jerks_up_to_which_speed_and_how_often():
     started = found.starting
     assert found.verdict == "jerks"
     assert started.cause == "static"
-    assert started.corner == (1, pytest.approx(2 * np.pi / 30), 0.9414)
-    drive = Drive.of(drive_of(found.sheet, found.values, *started.corner))
+    assert started.there.corner == (1, pytest.approx(2 * np.pi / 30), 0.9414)
+    drive = Drive.of(started.there.rigid)
     assert started.even_speed == pytest.approx(drive.threshold("even_speed").value, rel=1e-3)
     cycle = drive.steady_state("rest")
     assert started.motion.frequency == pytest.approx(1 / cycle.period, rel=1e-9)
@@ -212,17 +207,17 @@ def changes_that_help(seeds) -> int:
     count = 0
     for seed in seeds:
         found = assess(Sheet.of(drawn(seed)), samples=64)
-        started, values = found.starting, found.values
+        started = found.starting
         if not started.jerks:
             continue
         assert started.changes, seed
         for row in started.changes:
-            keys = changeable(values)[row.quantity]
+            keys = changeable(found.draw.values)[row.quantity]
             for factor, quiet in ((row.factor, True), (row.factor * (0.995 if row.factor > 1 else 1.005), False)):
-                own = {**values, **{key: values[key] * factor for key in keys}}
-                speeds = [own["speed_low"], own["speed_high"]]
-                places = [(direction, own["force_low"]) for direction in directions(found.sheet)]
-                assert all(evenly(found.sheet, own, place, speed) for place in places for speed in speeds) == quiet
+                own = found.draw.scaled(keys, factor)
+                speeds = [own.values["speed_low"], own.values["speed_high"]]
+                places = [own.at(way, at, own.values["force_low"]) for way in own.sheet.directions for at in speeds]
+                assert all(map(evenly, places)) == quiet
             count += 1
     return count
 
@@ -240,13 +235,13 @@ def test_the_chart_is_from_rest():
     """On both sides of the edge of the jerks, at some forces of either direction, the motion from rest decides."""
     sheet = Sheet.of(JERKING)
     found = assess(sheet, samples=64)
-    for chart in charts(sheet, found.values):
+    for chart in charts(found.draw):
         jerks = chart.kind == KINDS.index("jerks_from_rest")
         assert jerks[:, 0].mean() > 0.9
         assert not jerks[:, -1].any()
         for row in (5, 60, 120, 155):
             last = np.flatnonzero(jerks[row])[-1] if jerks[row].any() else 0
             for k, even in ((last - 1, False), (last + 2, True)):
-                speed = chart.speed[max(k, 0)] * 2 * np.pi / found.values["lead"]
-                drive = drive_of(sheet, found.values, chart.direction, speed, chart.force[row])
-                assert k < 0 or runs_evenly(drive) == even
+                speed = chart.speed[max(k, 0)] * 2 * np.pi / found.draw.values["lead"]
+                there = found.draw.at(chart.direction, speed, chart.force[row])
+                assert k < 0 or runs_evenly(there.rigid) == even

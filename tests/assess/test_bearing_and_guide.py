@@ -5,11 +5,9 @@ import re
 
 import numpy as np
 import pytest
-from references import random_sheets
-from references.random_sheets import values_of
 
 from lsvib.assess.assessment import assess
-from lsvib.assess.mechanisms import corners, drive_of, reserves
+from lsvib.assess.operation import Draw
 from lsvib.assess.output import assess_file
 from lsvib.assess.report import report
 from lsvib.assess.sheet import Sheet
@@ -109,13 +107,12 @@ DRIVE = {
 def test_the_drive_that_is_followed_has_them_and_reserves_agree_with_its_eigenvalues():
     sheet = Sheet.of(DRIVE)
     for mass in (5.0, 20.0, 60.0, 300.0):
-        values = {**values_of(sheet), "mass": mass}
-        for corner in corners(sheet, values):
-            drive = drive_of(sheet, values, *corner)
+        for corner in Draw.of(sheet).changed(mass=mass).corners:
+            drive = corner.rigid
             assert (drive.bearing_friction, drive.slide_friction) == (0.01, 30.0)
             assert (drive.collar_friction, drive.collar_radius) == (0.1, 0.01)
             assert drive.support_damping == 2e-3
-            own = reserves(sheet, values, *corner)
+            own = corner.reserves
             stable = min(float(own[name]) for name in ("kinematic_constraint", "negative_damping")) > 0
             assert stability(drive).stable == stable
 
@@ -149,7 +146,7 @@ def test_a_whole_assessment_with_all_that_rubs():
     assert light.starting.jerks is False
     bare = {key: value for key, value in DRIVE.items() if key != "bearing"}
     assert assess(Sheet.of(bare), samples=64).verdict == "steady"
-    assert not lets_go(found.sheet, found.values, {"friction": 0.14})
+    assert not lets_go(found.draw, {"friction_coefficient": 0.14})
 
 
 GAINS = {"inertia": "2e-6 kg*m^2", "speed_gain": "1e-4 N*m*s/rad", "integral_gain": "0.0224 N*m/rad"}
@@ -167,7 +164,7 @@ MEASURED = {  # drive 1 of T-RO 2021, whose record shows the integral gain of it
 
 
 def values_with(**changes) -> dict[str, float]:
-    return random_sheets.values_of(Sheet.of({**MEASURED, **changes}))
+    return Draw.of(Sheet.of({**MEASURED, **changes})).values
 
 
 def test_gains_bandwidth_and_stepper_on_the_side_of_the_screw():
@@ -191,7 +188,7 @@ def test_a_stiff_coupling_gives_the_drive_without_motor():
     assert found.verdict == expected.verdict == "jerks"
     assert found.starting.even_speed == pytest.approx(expected.starting.even_speed, rel=5e-3)
     assert found.starting.motion.frequency == pytest.approx(expected.starting.motion.frequency, rel=5e-3)
-    assert found.sheet.parts == ("motor",)
+    assert found.draw.sheet.parts == ("motor",)
 
 
 @pytest.mark.parametrize("support", [None, {"stiffness": "1e6 N/m", "damping": "20 N*s/m"}], ids=["rigid", "support"])
@@ -207,11 +204,11 @@ def test_reserves_are_those_of_the_whole_drive(support):
         if support:
             entries |= {"support": support, "screw": {"inertia": "2.186e-6 kg*m^2", "mass": "0.2 kg"}}
         sheet = Sheet.of(entries)
-        values = random_sheets.values_of(sheet)
-        for corner in corners(sheet, values):
-            own = {name: float(value) for name, value in reserves(sheet, values, *corner).items()}
+        draw = Draw.of(sheet)
+        for corner in draw.corners:
+            own = {name: float(value) for name, value in corner.reserves.items()}
             stable = min(value for name, value in own.items() if name not in ("law", "after_perturbation")) > 0
-            assert stability(drive_of(sheet, values, *corner, sheet.parts)).stable == stable
+            assert stability(corner.drive).stable == stable
             seen.add(stable)
     assert seen == {True, False}
 

@@ -11,12 +11,12 @@ import yaml
 from references.measured import LAW, SPEEDS, square, torque, write_tables
 
 import lsvib
-from lsvib.assess.drive import square_coefficient
+from lsvib.assess.quantities import square_coefficient
 from lsvib.assess.sheet import Friction
 from lsvib.datasets.io import read_dataset
 from lsvib.errors import InputError
 from lsvib.fit.law import Measured, falls_up_to, fitted, halves, steady_torque
-from lsvib.fit.output import as_json, blocks, fit_file, sentences
+from lsvib.fit.output import as_json, blocks, sentences
 from lsvib.fit.sheet import fit_sheet
 from lsvib.fit.tables import Recording, steady_point
 
@@ -41,6 +41,7 @@ def test_the_measured_screw_is_fitted_at_both_ends(screw):
         assert end.values["stribeck_rise"] > 4 * end.errors["stribeck_rise"]
     assert screw.fit.not_separable == (("friction_coefficient", "coulomb"), ("friction_slope", "viscous"))
     assert sum("not separable" in sentence for sentence in sentences(screw)) == 2
+    assert not any("poorly" in sentence for sentence in sentences(screw))
     assert 45 < as_json(screw)["falls_up_to"]["lifting"][0] / RPM < 55
 
 
@@ -254,10 +255,6 @@ def test_a_bad_row_changes_little_and_is_said(tmp_path, loads, names):
     assert any(text.startswith("The law fits poorly") and "20.csv" in text for text in sentences(found))
 
 
-def test_a_good_fit_is_not_called_poor(screw):
-    assert not any("poorly" in text for text in sentences(screw))
-
-
 def test_friction_that_falls_is_said_for_measured_loads_and_directions(tmp_path):
     """Loads of both signs; to lower, torque changes its sign with the speed, but friction falls as to lift."""
     found = fit_sheet(write_tables(tmp_path / "signs", (300.0, -300.0), noise=1e-4))
@@ -305,10 +302,6 @@ def test_tables_without_any_noise_make_json(tmp_path, run):
     code, out, _ = run("fit", str(path), "--json")
     assert code == 0
     assert json.loads(out)["measured"][0]["torque_scatter"] is None
-
-
-def test_a_function_does_the_same():
-    assert fit_file(SCREW)["points"] == 30
 
 
 def test_an_exponent_that_the_points_do_not_tell_is_said(tmp_path):

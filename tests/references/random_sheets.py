@@ -5,9 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from lsvib.assess import drive as sheets
 from lsvib.assess.materials import NUT_MATERIALS, SCREW_MATERIALS
-from lsvib.assess.mechanisms import corners, drive_of
+from lsvib.assess.operation import Draw
 from lsvib.assess.sheet import Sheet
 from lsvib.assess.threads import _ACME, _COARSE, _TRAPEZOIDAL
 from lsvib.errors import InputError
@@ -26,10 +25,6 @@ LAW = {"coefficient": 0.218, "stribeck_rise": 0.0203, "stribeck_speed": "0.01370
 
 def sheet(**changes) -> Sheet:
     return Sheet.of({**CHAPTER, **changes})
-
-
-def values_of(given: Sheet) -> dict:
-    return {key: float(value) for key, value in sheets.quantities(given, sheets.nominal_draw(given)).items()}
 
 
 _ENDS = ("fixed-free", "supported-supported", "fixed-supported", "fixed-fixed")
@@ -225,10 +220,10 @@ def _nut(draw: _Draw, diameter: float) -> dict[str, Any]:
 def random_drive(seed: int, index: int) -> Drive | None:
     """Return the drive of a random sheet at a point of its window, with its most compliant part; None if refused."""
     try:
-        sheet = Sheet.of(random_sheet(seed, index))
-        values = values_of(sheet)
-        places = corners(sheet, values)
-        parts = ("support",) if sheet.support else ("threads",) if sheet.contact else ()
-        return drive_of(sheet, values, *places[index % len(places)], parts)
+        given = random_sheet(seed, index)
+        if "support" in given:
+            given.pop("contact", None)
+        places = Draw.of(Sheet.of(given)).corners
+        return places[index % len(places)].drive
     except InputError:
         return None

@@ -103,7 +103,7 @@ def imports(module):
 def source_files(modules):
     """Return the files of the modules and of the packages around them, relative to the working directory.
 
-    The template and the style of a page lie beside the module that writes it, and begin with its name.
+    Templates, words and the style of a page lie beside the module that reads them, and begin with its name.
     """
     files = set()
     for module in modules:
@@ -111,7 +111,8 @@ def source_files(modules):
         files |= {Path(FOLDERS[parts[0]], *parts[:n], "__init__.py") for n in range(1, len(parts))}
         package = Path(FOLDERS[parts[0]], *parts, "__init__.py")
         file = package if package.exists() else Path(FOLDERS[parts[0]], *parts).with_suffix(".py")
-        files |= {file, *(beside for kind in ("css", "j2") for beside in file.parent.glob(f"{file.stem}*.{kind}"))}
+        kinds = ("css", "j2", "yaml")
+        files |= {file, *(beside for kind in kinds for beside in file.parent.glob(f"{file.stem}*.{kind}"))}
     return sorted(str(file) for file in files)
 
 

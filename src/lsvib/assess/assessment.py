@@ -7,15 +7,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lsvib.assess import mechanisms
 from lsvib.assess import vibration as motions
-from lsvib.assess.drive import Corner, Values, efficiencies, nominal_draw, quantities
 from lsvib.assess.margins import ANY, Margin, margins, sensitivities
-from lsvib.assess.mechanisms import corners, worst
+from lsvib.assess.mechanisms import NAMES
+from lsvib.assess.operation import Draw, Operation, most_perturbed
 from lsvib.assess.sheet import Sheet
 from lsvib.assess.starting import Starting, starting
 from lsvib.assess.statics import Statics, statics
-from lsvib.assess.uncertainty import Uncertainty, WorstCase, entries_of, study, worst_cases
+from lsvib.assess.uncertainty import Uncertainty, WorstCase, study, worst_cases
+from lsvib.assess.words import TOLERATED
 from lsvib.errors import InputError
 
 
@@ -23,15 +23,14 @@ from lsvib.errors import InputError
 class Mechanism:
     """What is said of one mechanism, see :mod:`lsvib.assess.mechanisms`.
 
-    ``occurs`` at the middle values somewhere in the window; ``reserve`` [1] there, at ``corner`` (direction, speed of
-    the screw [rad/s], force [N]); ``probability`` with ``interval``; ``margins``, nearest first; ``sensitivities``.
-    None is what is not known.
+    ``occurs`` at the middle values somewhere in the window; the lowest ``reserve`` [1], at ``there``; ``probability``
+    with ``interval``; ``margins``, nearest first; ``sensitivities``. None is what is not known.
     """
 
     name: str
     occurs: bool | None
     reserve: float
-    corner: Corner
+    there: Operation
     probability: float | None
     interval: tuple[float, float] | None
     margins: list[Margin]
@@ -40,29 +39,26 @@ class Mechanism:
 
 @dataclass(frozen=True)
 class AssessedMotion:
-    """A motion to show: of which mechanism, with which values, where in the window, and what came of it."""
+    """A motion to show: of which mechanism, at which point of operation of which drive, and what came of it."""
 
     mechanism: str
-    entries: dict[str, float]
-    values: Values
-    corner: Corner
+    there: Operation
     vibration: motions.Vibration
-    tolerated: tuple[float | None, str]
+    tolerated: motions.Tolerated
 
 
 @dataclass(frozen=True)
 class Assessment:
     """A data sheet with all that is said of it.
 
-    ``values``: :data:`lsvib.assess.drive.QUANTITIES` at the middle values; ``verdict``: a key of
+    ``draw``: the drive at the middle values; ``verdict``: a key of
     :data:`lsvib.assess.words.VERDICTS`; ``efficiency`` [1] ``lifting``, ``lowering`` (None if self-locking);
     ``margins``: those of all mechanisms together, nearest first; ``nominal``, ``worst``: the motion at the middle
     values and in the worst case, each where the reserve is lowest; ``starting``: what it does when it is switched on.
     """
 
-    sheet: Sheet
+    draw: Draw
     seed: int
-    values: Values
     verdict: str
     efficiency: dict[str, Any]
     self_locking: bool
@@ -74,42 +70,52 @@ class Assessment:
     statics: Statics
     starting: Starting
 
+    @property
+    def names(self) -> list[str]:
+        """The names of the mechanisms proper, those that occur or are nearest first."""
+        own = [name for name in self.mechanisms if name != "after_perturbation"]
+        return sorted(own, key=lambda name: self.mechanisms[name].reserve)
+
+    @property
+    def nearest(self) -> tuple[str, Margin] | None:
+        """The mechanism, and the change of one quantity, by which vibration sets in first; None if by none."""
+        found = self.mechanisms
+        near = [(name, row) for name in self.names for row in found[name].margins if row.factor is not None]
+        return min(near, key=lambda one: abs(math.log(one[1].factor or 1.0)), default=None)
+
+    @property
+    def helping(self) -> list[Margin]:
+        """Up to three changes of one quantity by a factor of three or less that end vibration or jerks."""
+        rows = self.margins if self.verdict == "vibrates" else self.starting.changes
+        return [row for row in rows if row.is_near(3.0)][:3]
+
+    @property
+    def absent(self) -> list[Margin]:
+        """The dampings that the sheet leaves out and that would alter the verdict."""
+        return [row for row in self.margins if row.factor is None and row.value is not None]
+
 
 def assess(sheet: Sheet, samples: int = 4096, seed: int = 1) -> Assessment:
     """Assess a data sheet; arguments as :func:`lsvib.assess.uncertainty.study`. Raises ``InputError``."""
-    entries = nominal_draw(sheet)
-    values = _values(sheet, entries)
-    _require_a_drive(sheet, values)
-    spread = study(sheet, samples, seed)
-    edges = margins(sheet, values)
-    found = _mechanisms(sheet, values, spread, edges)
-    lifting, lowering = map(float, efficiencies(sheet, values))
+    draw = Draw.of(sheet)
+    _require_a_drive(draw)
+    spread, edges = study(sheet, samples, seed), margins(draw)
+    found = _mechanisms(draw, spread, edges)
+    lifting, lowering = map(float, draw.efficiencies)
     cases = worst_cases(sheet, spread.lowest)
-    nominal = _motion(sheet, _critical(found), entries)
+    nominal = _motion(draw, _critical(found))
     if not any(one.occurs for one in found.values()) and _upset(nominal):
         sure: dict[str, Any] = {"probability": 1.0, "interval": (1.0, 1.0)} if spread.samples == 1 else {}
-        perturbed = replace(found["after_perturbation"], occurs=True, corner=nominal.corner, **sure)
+        perturbed = replace(found["after_perturbation"], occurs=True, there=nominal.there, **sure)
         found["after_perturbation"] = perturbed  # as the motion shows it, whatever its reserve says
-    draws = (_values(sheet, entries_of(sheet, spread.points[:, k, None])) for k in range(spread.points.shape[1]))
-    middle = min(one.reserve for one in found.values())
-    lowest = min(middle, *(case for case, _ in cases.values()), 1.0)
-    unstable = any(one.occurs for name, one in found.items() if name != "after_perturbation")
-    if sheet.stiff and not sheet.friction.law and lowest > 0:  # then slip shrinks every area, whatever the start
-        started = Starting(False, nominal.corner, 0.0)
-    elif not sheet.friction.law and (unstable or middle == 0):
-        # A start from rest tells nothing new: it cannot become steady, as nothing damps it, or worse.
-        started = Starting(None, nominal.corner, None)
-    else:
-        started = starting(sheet, values, draws if spread.samples > 1 else (), advise=not unstable)
+    started = _started(draw, found, cases, spread, nominal)
     worst_motion = _worst_motion(sheet, found, cases, spread.upset) if cases else nominal
     verdict = _verdict(found, spread, cases, worst_motion, started)
     if verdict == "jerks" and started.motion is not None:
-        shown = AssessedMotion("from_rest", entries, values, started.corner, started.motion, (None, ""))
-        nominal = worst_motion = shown
+        nominal = worst_motion = AssessedMotion("from_rest", started.there, started.motion, (None, ""))
     return Assessment(
-        sheet=sheet,
+        draw=draw,
         seed=seed,
-        values=values,
         verdict=verdict,
         efficiency={"lifting": lifting, "lowering": lowering if lowering > 0 else None},
         self_locking=lowering <= 0,
@@ -123,40 +129,48 @@ def assess(sheet: Sheet, samples: int = 4096, seed: int = 1) -> Assessment:
     )
 
 
-def _values(sheet: Sheet, entries: Values) -> dict[str, float]:
-    return {key: float(value) for key, value in quantities(sheet, entries).items()}
-
-
-def _require_a_drive(sheet: Sheet, values: Values) -> None:
+def _require_a_drive(draw: Draw) -> None:
     """Refuse what the package has no drive for, in the words of the sheet."""
-    if sheet.of_statics:
-        raise InputError(f"Whether it vibrates cannot be asked: {sheet.of_statics}.")
-    for corner in corners(sheet, values):
-        for parts in dict.fromkeys(((), sheet.parts)):
-            try:
-                mechanisms.drive_of(sheet, values, *corner, parts)
-            except InputError as error:
-                if "friction_coefficient" in str(error):
-                    raise InputError(
-                        "friction is so strong that the threads jam whatever the torque, coefficient >= cot(lead "
-                        "angle); lower friction or the lead of the thread."
-                    ) from None
-                raise InputError(f"The data sheet makes a drive that is out of range: {error}") from None
+    if draw.sheet.of_statics:
+        raise InputError(f"Whether it vibrates cannot be asked: {draw.sheet.of_statics}.")
+    for there in draw.corners:
+        try:
+            _ = there.rigid, there.drive
+        except InputError as error:
+            if "friction_coefficient" in str(error):
+                raise InputError(
+                    "friction is so strong that the threads jam whatever the torque, coefficient >= cot(lead "
+                    "angle); lower friction or the lead of the thread."
+                ) from None
+            raise InputError(f"The data sheet makes a drive that is out of range: {error}") from None
 
 
-def _mechanisms(
-    sheet: Sheet, values: Values, spread: Uncertainty, edges: dict[str, list[Margin]]
-) -> dict[str, Mechanism]:
-    places, lowest, slopes = corners(sheet, values), worst(sheet, values), sensitivities(sheet, values)
-    found = {}
-    for name, one in lowest.items():
-        corner, reserve, often = one.place(places), float(one.reserve[0]), spread.probability[name]
+def _mechanisms(draw: Draw, spread: Uncertainty, edges: dict[str, list[Margin]]) -> dict[str, Mechanism]:
+    slopes, found = sensitivities(draw), {}
+    for name, one in draw.worst.items():
+        there, reserve, often = draw.critical(name), float(one.reserve[0]), spread.probability[name]
         occurs: bool | None = reserve < 0
         if name == "after_perturbation":
-            occurs, _, first = motions.most_perturbed(sheet, values) if sheet.stiff else (None, None, None)
-            corner = first or corner
-        found[name] = Mechanism(name, occurs, reserve, corner, often.value, often.interval, edges[name], slopes[name])
+            occurs, _, first = most_perturbed(draw) if draw.sheet.stiff else (None, None, None)
+            there = first or there
+        found[name] = Mechanism(name, occurs, reserve, there, often.value, often.interval, edges[name], slopes[name])
     return found
+
+
+def _started(
+    draw: Draw, found: dict[str, Mechanism], cases: dict[str, WorstCase], spread: Uncertainty, nominal: AssessedMotion
+) -> Starting:
+    """What becomes of a start from rest, which is followed where nothing else tells."""
+    middle = min(one.reserve for one in found.values())
+    lowest = min(middle, *(case for case, _ in cases.values()), 1.0)
+    unstable = any(one.occurs for name, one in found.items() if name != "after_perturbation")
+    if draw.sheet.stiff and not draw.sheet.friction.law and lowest > 0:  # then slip shrinks every area
+        return Starting(False, nominal.there, 0.0)
+    if not draw.sheet.friction.law and (unstable or middle == 0):
+        # A start from rest tells nothing new: it cannot become steady, as nothing damps it, or worse.
+        return Starting(None, nominal.there, None)
+    draws = (Draw.of(draw.sheet, spread.points[:, k]) for k in range(spread.points.shape[1]))
+    return starting(draw, draws if spread.samples > 1 else (), advise=not unstable)
 
 
 def _upset(motion: AssessedMotion) -> bool:
@@ -191,7 +205,7 @@ def _verdict(
         return "may jerk"
     if found["after_perturbation"].occurs or (found["after_perturbation"].probability or 0) > 0:
         return "steady until perturbed"
-    if any(reserve < 0 for name, (reserve, _) in cases.items() if name in mechanisms.NAMES) or _upset(worst_motion):
+    if any(reserve < 0 for name, (reserve, _) in cases.items() if name in NAMES) or _upset(worst_motion):
         return "steady but for rare values"
     return "steady without reserve" if min(one.reserve for one in steady) == 0 else "steady"
 
@@ -205,24 +219,22 @@ def _critical(found: dict[str, Mechanism]) -> str:
     return "after_perturbation" if own[name].reserve > 0 and possible else name
 
 
-def _motion(sheet: Sheet, name: str, entries: dict[str, float]) -> AssessedMotion:
-    values = _values(sheet, entries)
-    places, lowest = corners(sheet, values), worst(sheet, values)
-    corner = lowest[name].place(places)
+def _motion(draw: Draw, name: str) -> AssessedMotion:
+    sheet, there = draw.sheet, draw.critical(name)
     if name == "after_perturbation" and sheet.support is None:
-        corner = motions.most_perturbed(sheet, values)[2] or corner
-    if name == "falling_friction" and lowest[name].reserve[0] < 0 and not sheet.friction.law:
+        there = most_perturbed(draw)[2] or there
+    if name == "falling_friction" and draw.worst[name].reserve[0] < 0 and not sheet.friction.law:
         reason = "friction that falls with speed makes steady running unstable there; the motion beyond that onset is "
         beyond = motions.Vibration((), "unknown", reason=reason + "not computed, only the onset.")
-        return AssessedMotion(name, entries, values, corner, beyond, (0.0, "Steady running is unstable."))
-    strong = {"perturbation": -motions.STRONG} if name == "after_perturbation" else {}
-    moved = motions.vibration(sheet, values, corner, sheet.parts, **strong)
+        return AssessedMotion(name, there, beyond, (0.0, TOLERATED["unstable"].format(threads="")))
+    strong = -motions.STRONG if name == "after_perturbation" else motions.NUDGE
+    moved = there.motion(strong)
     if moved.attractor in ("unknown", "unresolved") and sheet.parts:  # the simpler drive says more than nothing
-        moved = motions.vibration(sheet, values, corner, (), **strong)
-    tolerated = (None, "") if sheet.support is not None else motions.tolerated_perturbation(sheet, values, corner)
+        moved = there.motion(strong, stiff=True)
+    tolerated = (None, "") if sheet.support is not None else there.tolerated
     if sheet.support is None and not sheet.closed:
-        tolerated = motions.tolerated_by_trial(sheet, values, corner, tolerated[0], sheet.parts)
-    return AssessedMotion(name, entries, values, corner, moved, tolerated)
+        tolerated = motions.tolerated_by_trial(there.drive, tolerated[0], sheet.parts)
+    return AssessedMotion(name, there, moved, tolerated)
 
 
 def _worst_motion(
@@ -234,4 +246,4 @@ def _worst_motion(
     if own[name] > 0 > cases["after_perturbation"][0]:
         name = "after_perturbation"
     shares = cases[name][1] if name != "after_perturbation" or upset is None else upset
-    return _motion(sheet, name, entries_of(sheet, shares[:, None]))
+    return _motion(Draw.of(sheet, shares), name)

@@ -2,15 +2,14 @@
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lsvib.assess.drive import Values, weight_of, without_friction
-from lsvib.assess.mechanisms import applicable, directions, drive_of, reserves
-from lsvib.assess.sheet import Sheet
+from lsvib.assess.operation import Draw
 from lsvib.assess.starting import outcomes
-from lsvib.assess.vibration import tolerated_perturbation
+from lsvib.assess.window import applicable
 from lsvib.errors import EngineError, InputError
 from lsvib.stability.force_thresholds import threshold_force
 
@@ -39,74 +38,67 @@ class Chart:
     boundaries: dict[str, NDArray[np.float64]]
 
 
-def charts(sheet: Sheet, values: Values) -> list[Chart]:
+def charts(draw: Draw) -> list[Chart]:
     """Return the operating chart at given values, half as far again as the window, one for each direction of travel."""
-    lead = values["lead"] / (2 * math.pi)  # travel per radian
+    values, weight = draw.values, draw.weight
     top, points = 1.5 * values["speed_high"], 161  # a step is finer than a line of the picture
     turning = np.linspace(top / points, top, points)
-    weight = weight_of(values)
     ends = (values["force_low"], values["force_high"], 0.0, -weight)
     room = 0.5 * max(max(ends) - min(ends), 0.1 * max(map(abs, ends)), 1.0)
     force = np.linspace(min(ends) - room, max(ends) + room, points)
     return [
-        Chart(
-            direction, lead * turning, force, _kinds(sheet, values, direction, turning, force),
-            _boundaries(sheet, values, direction, turning),
-        )
-        for direction in directions(sheet)
-    ]  # fmt: skip
+        Chart(way, draw.travel * turning, force, _kinds(draw, way, turning, force), _boundaries(draw, way, turning))
+        for way in draw.sheet.directions
+    ]
 
 
-def _kinds(sheet: Sheet, values: Values, direction: int, turning: NDArray, force: NDArray) -> NDArray[np.int8]:
+def _kinds(draw: Draw, direction: int, turning: NDArray[Any], force: NDArray[Any]) -> NDArray[np.int8]:
     """Flag of the first mechanism in the order of :data:`KINDS` that occurs at each point (force, speed)."""
-    found = reserves(sheet, values, direction, turning[None, :], force[:, None])
-    shape = (force.size, turning.size)
-    p = without_friction(values, direction, turning[None, :], force[:, None])
+    there = draw.at(direction, turning[None, :], force[:, None])
+    found, p, shape = there.reserves, there.without_friction, (force.size, turning.size)
     drag = p["pitch_radius"] * np.tan(p["lead_angle"]) * p["translation_damping"]
     ratio = np.abs(p["axial_force"] - drag * p["input_speed"]) / turning  # |R̃ / Ω|
     kind = np.zeros(shape, dtype=np.int8)
-    blind = sheet.friction.law or sheet.dry  # of which the reserve after a perturbation knows nothing
+    blind = draw.sheet.friction.law or draw.sheet.dry  # of which the reserve after a perturbation knows nothing
     maybe = np.broadcast_to((found["after_perturbation"] < 0) | blind, shape)
     if maybe.any():
-        last = _fatal_ratio(sheet, values, direction, ratio[maybe].max(), drag)
+        last = _fatal_ratio(draw, direction, ratio[maybe].max(), drag)
         upset = KINDS.index("steady_once_started" if last is None else "steady_until_perturbed")
         kind[maybe & (ratio <= (math.inf if last is None else last))] = upset
-    started = outcomes(sheet, values, direction, turning, force)
+    started = outcomes(draw, direction, turning, force)
     kind[np.isnan(started)] = KINDS.index("steady_when_left_alone")  # what a start becomes is not known
     kind[started == 0] = KINDS.index("jerks_from_rest")
-    for name in reversed([name for name in KINDS if name in applicable(sheet)]):
+    for name in reversed([name for name in KINDS if name in applicable(draw.sheet)]):
         kind = np.where(np.broadcast_to(found[name], shape) < 0, KINDS.index(name), kind)
     return kind.astype(np.int8)
 
 
-def _fatal_ratio(sheet: Sheet, values: Values, direction: int, most: float, drag: float) -> float | None:
+def _fatal_ratio(draw: Draw, direction: int, most: float, drag: float) -> float | None:
     """The |R̃ / Ω| up to ``most`` [N s/rad] below which a perturbation starts vibration, to 0.3 %; None if not known.
 
     With Ω and R̃ multiplied alike every motion is; and beyond some force against the motion none ends in vibration.
     """
-    if not sheet.closed or sheet.friction.curve is not None:
+    if not draw.sheet.closed or draw.sheet.friction.curve is not None:
         return None
-    speed, weight = values["speed_high"], weight_of(values)
-    low, high = 1e-4 * most, most
+    speed, (low, high) = draw.values["speed_high"], (1e-4 * most, most)
     for _ in range(12):
         ratio = math.sqrt(low * high)
-        force = direction * speed * (ratio - drag) - weight
-        size, _ = tolerated_perturbation(sheet, values, (direction, speed, force))
+        size, _ = draw.at(direction, speed, direction * speed * (ratio - drag) - draw.weight).tolerated
         if not size:  # not known, or zero as nothing damps the drive
             return None
         low, high = (low, ratio) if size == math.inf else (ratio, high)
     return high
 
 
-def _boundaries(sheet: Sheet, values: Values, direction: int, turning: NDArray) -> dict[str, NDArray]:
+def _boundaries(draw: Draw, direction: int, turning: NDArray[Any]) -> dict[str, NDArray[Any]]:
     """Forces at which the motion of the rigid drive changes its kind; none with friction that depends on speed.
 
     With Ω and R multiplied alike, every motion of the drive is multiplied alike. So one threshold gives a line.
     """
-    if values["friction_slope"] != 0 or sheet.friction.curve is not None or sheet.friction.law or sheet.dry:
+    sheet, weight, speed = draw.sheet, draw.weight, float(turning[-1])
+    if draw.values["friction_slope"] != 0 or sheet.friction.curve is not None or sheet.friction.law or sheet.dry:
         return {}
-    found, weight, speed = {}, weight_of(values), float(turning[-1])
-    drive = drive_of(sheet, values, direction, speed, 0.0)
+    found, drive = {}, draw.at(direction, speed, 0.0).rigid
     if drive.translation_damping > 0 and drive.friction_coefficient > math.tan(drive.lead_angle):
         lever = drive.pitch_radius * math.tan(drive.lead_angle)
         found[_BOUNDARIES["onset"]] = -lever * drive.translation_damping * direction * turning - weight

@@ -324,6 +324,14 @@ class FrictionBySpeed:
     speeds: tuple[float, ...]
     coefficients: tuple[float, ...]
 
+    def at(self, sliding: Any) -> tuple[NDArray[Any], NDArray[np.float64]]:
+        """Return coefficient and slope [s/m] at sliding speeds [m/s]; constant beyond the ends."""
+        speeds, coefficients = np.array(self.speeds), np.array(self.coefficients)
+        slopes = np.concatenate([[0.0], np.diff(coefficients) / np.diff(speeds), [0.0]])
+        piece = np.searchsorted(speeds, np.real(sliding), side="right")
+        start = np.clip(piece - 1, 0, None)
+        return coefficients[start] + slopes[piece] * (sliding - speeds[start]), slopes[piece]
+
 
 def _curve(value: Any) -> FrictionBySpeed:
     paired = isinstance(value, list) and all(isinstance(row, list) and len(row) == 2 for row in value)

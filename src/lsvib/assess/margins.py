@@ -6,16 +6,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lsvib.assess.drive import Values
 from lsvib.assess.fields import LARGEST_HALF_ANGLE
-from lsvib.assess.mechanisms import NAMES, corners, reserves, worst
-from lsvib.assess.sheet import Sheet
+from lsvib.assess.mechanisms import NAMES
+from lsvib.assess.operation import PAIRS, Draw
+from lsvib.assess.quantities import Values
+from lsvib.assess.words import QUANTITIES, Quantity
+from lsvib.models.drive import PARTS
 
 ANY = "any"
 """Stands in for a mechanism where all of them together are meant: whether steady sliding is unstable at all."""
-
-PAIRS = {"force": ("force_low", "force_high"), "speed": ("speed_low", "speed_high")}
-"""Quantities of the window, which are changed together."""
 
 
 @dataclass(frozen=True)
@@ -31,6 +30,15 @@ class Margin:
     factor: float | None
     value: float | None
 
+    @property
+    def about(self) -> Quantity:
+        """Name, words and unit of the quantity."""
+        return QUANTITIES[self.quantity]
+
+    def is_near(self, factor: float = 10.0) -> bool:
+        """Whether it is worth a bar and a row: a change by no more than a factor of ten."""
+        return self.factor is not None and 1 / factor <= self.factor <= factor
+
 
 def changeable(values: Values) -> dict[str, tuple[str, ...]]:
     """Return the quantities whose change is looked at, by name: keys of ``values`` that are not zero.
@@ -45,25 +53,17 @@ def changeable(values: Values) -> dict[str, tuple[str, ...]]:
 
 def _absent_dampings(values: Values) -> dict[str, float]:
     """Return the dampings that are zero, with the size of a critical one each, √(inertia × stiffness) [SI units]."""
-    turning = float(np.sqrt(values["inertia"] * values["coupling_stiffness"]))
-    sizes = {"rotational_damping": turning, "translational_damping": turning * (2 * np.pi / values["lead"]) ** 2}
-    for part, mass in (("contact", "mass"), ("support", "screw_mass")):
-        if f"{part}_stiffness" in values:
-            sizes[f"{part}_damping"] = float(np.sqrt(values[f"{part}_stiffness"] * values[mass]))
+    turning = float(np.sqrt(values["screw_inertia"] * values["coupling_stiffness"]))
+    sizes = {"support_damping": turning, "translation_damping": turning * (2 * np.pi / values["lead"]) ** 2}
+    for mass, stiffness, damping in (("mass", *PARTS["threads"]), PARTS["support"]):
+        if stiffness in values:
+            sizes[damping] = float(np.sqrt(values[stiffness] * values[mass]))
     return {key: size for key, size in sizes.items() if values[key] == 0}
 
 
-def scaled(sheet: Sheet, values: Values, keys: tuple[str, ...], factors: Any) -> dict[str, Any]:
-    """Multiply some quantities; where the sheet gives the speed of the load, a larger lead turns the screw slower."""
-    changed = {**values, **{key: values[key] * factors for key in keys}}
-    if "lead" in keys and sheet.operation.speed.unit == "m/s":
-        changed |= {key: values[key] / factors for key in PAIRS["speed"]}
-    return changed
-
-
-def _occurs(sheet: Sheet, values: Values) -> dict[str, NDArray]:
+def _occurs(draw: Draw) -> dict[str, NDArray[Any]]:
     """Whether each mechanism occurs (1, 0, or −1 where the drive cannot move), for drives given by arrays (n)."""
-    occurs = {name: np.where(np.isnan(one.reserve), -1, one.reserve < 0) for name, one in worst(sheet, values).items()}
+    occurs = {name: np.where(np.isnan(one.reserve), -1, one.reserve < 0) for name, one in draw.worst.items()}
     own = np.stack([flags for name, flags in occurs.items() if name in NAMES])
     return {**occurs, ANY: np.where(own[0] < 0, -1, own.max(axis=0))}
 
@@ -73,45 +73,46 @@ class _Edge:
     """A verdict on a mechanism that changes between two factors on a quantity, from ``occurs`` at the first."""
 
     quantity: str
-    base: Values
+    base: Draw
     keys: tuple[str, ...]
     mechanism: str
     factors: tuple[float, float]
     occurs: int
 
 
-def margins(sheet: Sheet, values: Values) -> dict[str, list[Margin]]:
+def margins(draw: Draw) -> dict[str, list[Margin]]:
     """Return for each mechanism, and for :data:`ANY` of them, the margin in every quantity, the smallest change first.
 
     A change to a drive that cannot move at all (μ ≥ cot λ) does not count.
     """
     per_decade = 30  # steps of 8 %; a narrower island of stability between two is not seen
     steps = np.linspace(0.0, 3.0, 3 * per_decade + 1)
-    scans: list[tuple[str, tuple[str, ...], Values, list[NDArray]]] = []
-    for name, keys in changeable(values).items():
+    scans: list[tuple[str, tuple[str, ...], Draw, list[NDArray[Any]]]] = []
+    for name, keys in changeable(draw.values).items():
         sides = [10.0**steps, 10.0**-steps]
         if name == "half_angle":  # beyond a right angle its tangent comes back, but there is no such thread
-            most = max(LARGEST_HALF_ANGLE / values[name], 1.0)
+            most = max(LARGEST_HALF_ANGLE / draw.values[name], 1.0)
             sides[0] = np.append(sides[0][sides[0] < most], most)
-        scans.append((name, keys, values, sides))
+        scans.append((name, keys, draw, sides))
     upwards = np.concatenate([[0.0], 10.0 ** np.linspace(-6.0, 0.0, 6 * per_decade + 1)])
-    scans += [(name, (name,), {**values, name: size}, [upwards]) for name, size in _absent_dampings(values).items()]
+    absent = _absent_dampings(draw.values)
+    scans += [(name, (name,), draw.changed(**{name: size}), [upwards]) for name, size in absent.items()]
     result: dict[str, dict[str, Margin]] = {}
     edges: list[_Edge] = []
     for name, keys, base, sides in scans:
         for factors in sides:
-            for mechanism, occurs in _occurs(sheet, scaled(sheet, base, keys, factors)).items():
+            for mechanism, occurs in _occurs(base.scaled(keys, factors)).items():
                 result.setdefault(mechanism, {})[name] = Margin(name, None, None)
                 changed = np.flatnonzero(occurs != occurs[0])
                 if changed.size and occurs[changed[0]] >= 0:
                     first = max(factors[changed[0] - 1], 1e-12)  # such a damping is as good as none
                     pair = float(first), float(factors[changed[0]])
                     edges.append(_Edge(name, base, keys, mechanism, pair, int(occurs[0])))
-    for edge, factor in zip(edges, _refined(sheet, edges), strict=True):
+    for edge, factor in zip(edges, _refined(edges), strict=True):
         nearer = result[edge.mechanism][edge.quantity].factor
         if nearer is None or abs(np.log(factor)) < abs(np.log(nearer)):
-            value = factor * max((float(edge.base[key]) for key in edge.keys), key=abs)
-            known = factor if edge.base is values else None
+            value = factor * max((float(edge.base.values[key]) for key in edge.keys), key=abs)
+            known = factor if edge.base is draw else None
             result[edge.mechanism][edge.quantity] = Margin(edge.quantity, known, value)
     found = {mechanism: list(rows.values()) for mechanism, rows in result.items()}
     for rows in found.values():
@@ -119,37 +120,36 @@ def margins(sheet: Sheet, values: Values) -> dict[str, list[Margin]]:
     return found
 
 
-def _refined(sheet: Sheet, edges: list[_Edge]) -> list[float]:
+def _refined(edges: list[_Edge]) -> list[float]:
     """The first factor at which the verdict of each edge changes, to a part in 10⁹; all are looked at together."""
     if not edges:
         return []
-    occurs = np.array([edge.occurs for edge in edges])
+    base, occurs = edges[0].base, np.array([edge.occurs for edge in edges])
     before, after = np.array([edge.factors for edge in edges]).T
     for _ in range(34):  # a step of 8 %, or of the smallest damping from 1e-12 on, is halved, to a part in 10⁹
         middle = before * np.sqrt(after / before)
-        drives = [scaled(sheet, edge.base, edge.keys, factor) for edge, factor in zip(edges, middle, strict=True)]
-        flags = _occurs(sheet, {key: np.array([one[key] for one in drives]) for key in edges[0].base})
+        drives = [edge.base.scaled(edge.keys, factor).values for edge, factor in zip(edges, middle, strict=True)]
+        flags = _occurs(base.changed(**{key: np.array([one[key] for one in drives]) for key in base.values}))
         there = np.array([flags[edge.mechanism][k] for k, edge in enumerate(edges)]) != occurs
         before, after = np.where(there, before, middle), np.where(there, middle, after)
     return [float(factor) for factor in after]
 
 
-def sensitivities(sheet: Sheet, values: Values) -> dict[str, dict[str, float]]:
+def sensitivities(draw: Draw) -> dict[str, dict[str, float]]:
     """Return for each mechanism the change of its reserve [1] per relative change of each quantity, dρ/d ln q.
 
     At the corner of the window where the reserve is lowest, by a complex step: ρ(q (1 + ih)) = ρ + i h dρ/d ln q +
     O(h²), with nothing to cancel.
     """
-    places, lowest = corners(sheet, values), worst(sheet, values)
     step = 1e-30  # its square, relative, lies far below rounding
-    result: dict[str, dict[str, float]] = {name: {} for name in lowest}
-    for quantity, keys in changeable(values).items():
-        changed = {key: complex(value) for key, value in scaled(sheet, values, keys, 1 + 1j * step).items()}
-        moved = corners(sheet, changed)
-        for name, one in lowest.items():
+    result: dict[str, dict[str, float]] = {name: {} for name in draw.worst}
+    for quantity, keys in changeable(draw.values).items():
+        changed = draw.scaled(keys, 1 + 1j * step)
+        changed = changed.changed(**{key: complex(value) for key, value in changed.values.items()})
+        for name, one in draw.worst.items():
             k = int(one.corner[0])
-            between = one.speed[0] != places[k][1]  # there the reserve is flat, so that its place may stay
-            direction, speed, force = moved[k]
-            row = reserves(sheet, changed, direction, one.speed[0] if between else speed, force)
-            result[name][quantity] = float(np.imag(row[name]) / step)
+            there = changed.corners[k]
+            if one.speed[0] != draw.corners[k].speed:  # between two, the reserve is flat, so that its place may stay
+                there = changed.at(there.direction, one.speed[0], there.force)
+            result[name][quantity] = float(np.imag(there.reserves[name]) / step)
     return result

@@ -11,15 +11,15 @@ import xarray as xr
 from lsvib import numbers
 from lsvib.assess.assessment import AssessedMotion, Assessment, assess
 from lsvib.assess.chart import KINDS, Chart, charts
-from lsvib.assess.drive import UNITS, Corner
 from lsvib.assess.margins import Margin
+from lsvib.assess.operation import Operation
 from lsvib.assess.report import report
 from lsvib.assess.sheet import Sheet
 from lsvib.assess.starting import Starting
-from lsvib.assess.statics import ABOUT, Statics, statics
+from lsvib.assess.statics import Statics, statics
 from lsvib.assess.summary import brief, of_statics
 from lsvib.assess.uncertainty import BINS
-from lsvib.assess.words import VERDICTS
+from lsvib.assess.words import ABOUT, QUANTITIES, VERDICTS
 from lsvib.datasets.attributes import flagged, named_index, variable
 from lsvib.datasets.io import write_dataset
 from lsvib.errors import InputError
@@ -49,7 +49,7 @@ def assess_file(path: Path, out: Path | None, samples: Any = 4096, seed: Any = 1
     files = [(out / "index.html", "HTML"), (out / "assessment.nc", "netCDF"), (out / "assessment.json", "JSON")]
     outputs = Outputs(files, [path], make_folders=True)
     found = assess(sheet, count, start)
-    operating = charts(sheet, found.values)
+    operating = charts(found.draw)
     result = as_json(found)
     with outputs.writing() as (page, data, verdict):
         write_text(report(found, operating), page)
@@ -79,7 +79,7 @@ def as_json(assessment: Assessment) -> dict[str, Any]:
     """Return the verdict as plain values for JSON: SI units, None for what does not exist or is infinite."""
     perturbed = assessment.mechanisms["after_perturbation"]
     return {
-        "name": assessment.sheet.name,
+        "name": assessment.draw.sheet.name,
         "verdict": assessment.verdict,
         "sentence": VERDICTS[assessment.verdict],
         "brief": brief(assessment),
@@ -90,9 +90,9 @@ def as_json(assessment: Assessment) -> dict[str, Any]:
         "mechanisms": {
             name: {
                 **{key: getattr(one, key) for key in ("occurs", "probability", "interval", "reserve")},
-                "at": _place(one.corner),
+                "at": _place(one.there),
                 "margin": _margins_json(one.margins),
-                "sensitivity": one.sensitivities,
+                "sensitivity": {QUANTITIES[key].name: value for key, value in one.sensitivities.items()},
             }
             for name, one in assessment.mechanisms.items()
             if name != "after_perturbation"
@@ -102,7 +102,10 @@ def as_json(assessment: Assessment) -> dict[str, Any]:
             "probability": perturbed.probability,
             "interval": None if perturbed.interval is None else list(perturbed.interval),
         },
-        "quantities": {key: {"value": value, "unit": UNITS[key]} for key, value in assessment.values.items()},
+        "quantities": {
+            QUANTITIES[key].name: {"value": value, "unit": QUANTITIES[key].unit}
+            for key, value in assessment.draw.values.items()
+        },
         "samples": assessment.uncertainty.samples,
         "seed": assessment.seed,
         "any_mechanism": {
@@ -111,11 +114,11 @@ def as_json(assessment: Assessment) -> dict[str, Any]:
             "margin": _margins_json(assessment.margins),
         },
         "sobol": {"first_order": assessment.uncertainty.first_order, "total": assessment.uncertainty.total},
-        "from_rest": _starting_json(assessment.starting, assessment.values["lead"] / (2 * math.pi)),
+        "from_rest": _starting_json(assessment.starting),
         "nominal": _motion_json(assessment.nominal),
         "worst_case": _motion_json(assessment.worst),
-        "assumptions": dict(assessment.sheet.assumptions),
-        "sources": dict(assessment.sheet.sources),
+        "assumptions": dict(assessment.draw.sheet.assumptions),
+        "sources": dict(assessment.draw.sheet.sources),
     }
 
 
@@ -127,20 +130,23 @@ def _statics_json(found: Statics) -> dict[str, Any]:
             "worst": row.worst if np.isfinite(row.worst) else None,  # a torque, where the threads jam
             "limit": row.limit,
             "exceeded": row.exceeded,
-            "unit": ABOUT[key][1],
+            "unit": ABOUT[key]["unit"],
         }
     return {"back_drives": found.back_drives, **rows}
 
 
-def _starting_json(found: Starting, travel: float) -> dict[str, Any]:
-    """What becomes of a start from rest; ``travel`` of the load per radian of the screw."""
-    moved, even = found.motion, None if found.even_speed == math.inf else found.even_speed
+def _starting_json(found: Starting) -> dict[str, Any]:
+    travel, moved, even = (
+        found.there.draw.travel,
+        found.motion,
+        None if found.even_speed == math.inf else found.even_speed,
+    )
     return {
         "jerks": found.jerks,
         "even_speed": even,
         "even_load_speed": even and travel * even,
         "at_no_speed_tried": found.even_speed == math.inf,
-        "at": {**_place(found.corner), "load_speed": travel * found.corner[1]},
+        "at": {**_place(found.there), "load_speed": travel * found.there.speed},
         "frequency": moved and moved.frequency,
         "peak_to_peak": moved and moved.amplitude and 2 * moved.amplitude,
         "cause": found.cause or None,
@@ -150,20 +156,20 @@ def _starting_json(found: Starting, travel: float) -> dict[str, Any]:
     }
 
 
-def _place(corner: Corner) -> dict[str, float]:
-    return dict(zip(("direction", "screw_speed", "force"), corner, strict=True))
+def _place(there: Operation) -> dict[str, float]:
+    return {"direction": int(there.direction), "screw_speed": float(there.speed), "force": float(there.force)}
 
 
 def _margins_json(rows: list[Margin]) -> dict[str, Any]:
-    return {row.quantity: {"factor": row.factor, "value": row.value, "unit": UNITS[row.quantity]} for row in rows}
+    return {row.about.name: {"factor": row.factor, "value": row.value, "unit": row.about.unit} for row in rows}
 
 
 def _motion_json(motion: AssessedMotion) -> dict[str, Any]:
     moved, (size, sentence) = motion.vibration, motion.tolerated
     return {
         "mechanism": motion.mechanism,
-        "entries": motion.entries,
-        "at": _place(motion.corner),
+        "entries": motion.there.draw.entries,
+        "at": _place(motion.there),
         **{key: getattr(moved, key) for key in _OF_MOTIONS},
         "tolerated_perturbation": None if size is None or not np.isfinite(size) else size,
         "tolerated_perturbation_sentence": sentence,
@@ -196,7 +202,7 @@ def dataset(assessment: Assessment, charts: list[Chart]) -> xr.Dataset:
         variables,
         coordinates,
         attrs={
-            "title": f"Assessment of a lead-screw drive: {assessment.sheet.name}",
+            "title": f"Assessment of a lead-screw drive: {assessment.draw.sheet.name}",
             "source": "lsvib assess",
             "references": "Vahid-Araghi and Golnaraghi, Friction-Induced Vibration in Lead Screw Drives, Springer "
             "2011, chapter 8",

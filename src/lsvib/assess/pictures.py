@@ -15,9 +15,8 @@ from matplotlib.ticker import EngFormatter
 
 from lsvib.assess.assessment import AssessedMotion, Assessment
 from lsvib.assess.chart import KINDS, Chart
-from lsvib.assess.drive import IN_WORDS
 from lsvib.assess.uncertainty import BINS
-from lsvib.assess.words import MECHANISMS, entry_name
+from lsvib.assess.words import MECHANISMS, QUANTITIES, entry_name
 from lsvib.figures import style
 
 WIDTH = 3.7  # inch: on a phone one to one
@@ -56,11 +55,11 @@ def operating_chart(charts: list[Chart], chart: Chart, assessment: Assessment) -
     axis = figure.subplots()
     colours = ListedColormap([_COLOURS[kind] for kind in KINDS])
     norm = BoundaryNorm(np.arange(len(KINDS) + 1) - 0.5, len(KINDS))
-    values, speed = assessment.values, 1e3 * chart.speed
+    values, speed = assessment.draw.values, 1e3 * chart.speed
     axis.pcolormesh(speed, chart.force, chart.kind, cmap=colours, norm=norm, shading="nearest", rasterized=True)
     for (label, force), dashes in zip(chart.boundaries.items(), ("-", "--", "-.", ":"), strict=False):
         axis.plot(speed, force, dashes, color=style.BLACK, linewidth=0.9, label=label)
-    low, high = (1e3 * values["lead"] / (2 * math.pi) * values[f"speed_{end}"] for end in ("low", "high"))
+    low, high = (1e3 * assessment.draw.travel * values[f"speed_{end}"] for end in ("low", "high"))
     bottom, height = values["force_low"], values["force_high"] - values["force_low"]
     if high > low and height > 0:
         axis.add_patch(Rectangle((low, bottom), high - low, height, fill=False, edgecolor=style.BLUE, linewidth=1.6))
@@ -81,7 +80,7 @@ def operating_chart(charts: list[Chart], chart: Chart, assessment: Assessment) -
 def margin_chart(assessment: Assessment, name: str) -> Figure:
     """Factors on each quantity at which the verdict on one mechanism changes."""
     one = assessment.mechanisms[name]
-    rows = {IN_WORDS[row.quantity]: row.factor for row in one.margins if row.factor and 0.1 <= row.factor <= 10}
+    rows = {row.about.words: row.factor for row in one.margins if row.factor and 0.1 <= row.factor <= 10}
     figure, axis = _bars(list(rows))
     places, colour = np.log10(list(rows.values())), style.GREEN if one.occurs else style.VERMILION
     bars = axis.barh(range(len(rows)), places, color=colour, height=0.4)
@@ -103,7 +102,7 @@ def screw_chart(motion: AssessedMotion) -> Figure:
     twist, speed = np.degrees(moved.angle), moved.speed * 60 / (2 * math.pi)
     axis.plot(twist, speed, color=style.BLUE, linewidth=0.9)
     axis.plot(twist[0], speed[0], "o", color=style.ORANGE, label="start")
-    steady = motion.corner[0] * motion.corner[1] * 60 / (2 * math.pi)
+    steady = motion.there.direction * motion.there.speed * 60 / (2 * math.pi)
     axis.plot(0, steady, "P", color=style.VERMILION, markersize=6, label="steady running")
     if np.ptp(speed) > 0.5 * np.abs(speed).max():
         axis.axhline(0, color=style.GREY, linewidth=0.6)
@@ -129,7 +128,7 @@ def sensitivity_chart(assessment: Assessment, name: str) -> Figure:
     """Change of the reserve of one mechanism per one per cent of each quantity."""
     table = assessment.mechanisms[name].sensitivities
     names = sorted(filter(table.get, table), key=lambda key: -abs(table[key]))
-    figure, axis = _bars([IN_WORDS[key] for key in names])
+    figure, axis = _bars([QUANTITIES[key].words for key in names])
     changes = [0.01 * table[key] for key in names]
     colours = [style.GREEN if change > 0 else style.VERMILION for change in changes]
     axis.barh(range(len(names)), changes, height=0.4, color=colours)

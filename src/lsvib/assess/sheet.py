@@ -9,10 +9,11 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
 
 from lsvib.assess import fields
-from lsvib.assess.fields import NotQuantity, Spread
+from lsvib.assess.fields import Spread
 from lsvib.assess.materials import NUT_MATERIALS, SCREW_MATERIALS
 from lsvib.assess.threads import Size
 from lsvib.errors import InputError
+from lsvib.models.drive import sentence_about
 from lsvib.models.pairings import PAIRINGS, stated
 from lsvib.models.scene import read_yaml
 from lsvib.numbers import shown, whole_between
@@ -188,7 +189,7 @@ class Load(_Part):
         return None
 
 
-class Operation(_Part):
+class Running(_Part):
     """How the drive is run: speeds of the screw or of the load, and the directions of travel."""
 
     speed: fields.Speed
@@ -313,7 +314,7 @@ class Sheet(_Part):
     coupling: Coupling = Coupling()
     motor: Motor | None = None
     load: Load
-    operation: Operation
+    operation: Running
     friction: Friction
     damping: Dampings = Dampings()
     bearing: Bearing = Bearing()
@@ -332,7 +333,7 @@ class Sheet(_Part):
         try:
             sheet = cls.model_validate(dict(values))
         except ValidationError as error:
-            raise InputError(sentence(error, cls)) from None
+            raise InputError(sentence_about(cls, error)) from None
         for part in (sheet.thread, sheet.screw, sheet.motor, sheet.load, sheet.friction, sheet.nut):
             if part is not None and (problem := part.problem()) is not None:
                 raise InputError(problem)
@@ -414,27 +415,17 @@ class Sheet(_Part):
         """The quantities that are given, by name."""
         return {path: value for path, value in self.entries() if isinstance(value, Spread)}
 
+    def is_window(self, path: str) -> bool:
+        """Whether an entry is a side of the operating window: a range of force or speed, all of which is used."""
+        entry = self.spreads.get(path)
+        return path in ("load.force", "operation.speed") and entry is not None and entry.kind == "uniform"
 
-def sentence(error: ValidationError, whole: type[BaseModel]) -> str:
-    """Return one sentence about the first complaint of pydantic, a misspelt key before a missing one."""
-    first = min(error.errors(), key=lambda complaint: complaint["type"] == "missing")
-    path, kind = ".".join(str(part) for part in first["loc"]), first["type"]
-    cause = first.get("ctx", {}).get("error")
-    if isinstance(cause, InputError):
-        return str(cause)
-    if isinstance(cause, NotQuantity):
-        return f"{path} {cause}."
-    if kind == "extra_forbidden":
-        part: Any = whole
-        for key in filter(lambda key: isinstance(key, str), first["loc"][:-1]):  # not the places in a list
-            annotation = part.model_fields[str(key)].annotation
-            kinds = (annotation, *getattr(annotation, "__args__", ()))
-            part = next(kind for kind in kinds if isinstance(kind, type) and issubclass(kind, BaseModel))
-        return f"{path} is not a known key; the known keys are {', '.join(part.model_fields)}."
-    if kind == "missing":
-        return f"{path} is missing."
-    if kind == "literal_error":
-        return f"{path} = {shown(first['input'])} is not one of {first['ctx']['expected'].replace(chr(39), '')}."
-    if kind in ("model_type", "model_attributes_type", "dict_type"):
-        return f"{path} = {shown(first['input'])} does not hold names and values."
-    return f"{path} = {shown(first['input'])} is not acceptable: {first['msg']}."
+    @property
+    def random(self) -> list[str]:
+        """The entries that are uncertain: all but ranges of force and speed, which are the operating window."""
+        return [path for path, entry in self.spreads.items() if entry.uncertain and not self.is_window(path)]
+
+    @property
+    def directions(self) -> tuple[int, ...]:
+        """The directions of travel, 1 outward and −1 back."""
+        return {"out": (1,), "back": (-1,), "both": (1, -1)}[self.operation.direction]

@@ -7,15 +7,14 @@ import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from itertools import islice, pairwise, product
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lsvib.assess.drive import Corner, Parts, Values, weight_of
-from lsvib.assess.margins import Margin, changeable, scaled
-from lsvib.assess.mechanisms import directions, drive_of
-from lsvib.assess.sheet import Sheet
-from lsvib.assess.vibration import Vibration, vibration, work_of_many
+from lsvib.assess.margins import Margin, changeable
+from lsvib.assess.operation import Draw, Operation
+from lsvib.assess.vibration import Vibration, work_of_many
 from lsvib.errors import InputError
 from lsvib.stability.starting import even_from, runs_evenly
 
@@ -33,17 +32,16 @@ class Starting:
     """What becomes of a drive that is started from rest.
 
     ``jerks``: whether it goes on vibrating at some speed of the window, at the middle values; None where that is not
-    known. ``corner``: direction, speed [rad/s] and force [N] of the slowest such point, or where it is nearest to that;
-    ``even_speed`` [rad/s] of the screw there, from which on it runs evenly: zero if at all speeds tried, infinite if at
-    none up to :data:`BEYOND` times the highest, None where it is not known. ``motion`` from rest at the corner, if it
-    jerks. ``cause`` there: ``static`` friction, without whose surplus it runs evenly, or ``law``, if it does without
-    any change of friction with the speed, else empty. ``changes`` of one quantity by no more than a factor of three
-    that end it at all points of the window that are tried, the smallest first. ``share`` of ``drawn`` drives that jerk
-    at the lowest speed of that corner.
+    known. ``there``: the slowest such point of operation, or where it is nearest to that; ``even_speed`` [rad/s] of the
+    screw there, from which on it runs evenly: zero if at all speeds tried, infinite if at none up to :data:`BEYOND`
+    times the highest, None where it is not known. ``motion`` from rest there, if it jerks. ``cause`` there: ``static``
+    friction, without whose surplus it runs evenly, or ``law``, if it does without any change of friction with the
+    speed, else empty. ``changes`` of one quantity by no more than a factor of three that end it at all points of the
+    window that are tried, the smallest first. ``share`` of ``drawn`` drives that jerk at the lowest speed there.
     """
 
     jerks: bool | None
-    corner: Corner
+    there: Operation
     even_speed: float | None
     motion: Vibration | None = None
     cause: str = ""
@@ -52,71 +50,75 @@ class Starting:
     drawn: int = 0
 
 
-def starting(sheet: Sheet, values: Values, draws: Iterable[Values], advise: bool = True) -> Starting:
-    """Start a drive at the middle values, and some of ``draws``, the quantities of random ones.
+def starting(draw: Draw, draws: Iterable[Draw], advise: bool = True) -> Starting:
+    """Start a drive at the middle values, and some of ``draws``, random ones.
 
     ``advise``: whether changes that end jerks are looked for.
 
     With parts that comply the corner is that of the drive with rigid ones, and there the whole drive is started.
     """
-    parts = sheet.parts
-    places = [(direction, force) for direction in directions(sheet) for force in _forces(values)]
-    low, high = values["speed_low"], values["speed_high"]
+    places = [(direction, force) for direction in draw.sheet.directions for force in _forces(draw)]
+    low, high = draw.values["speed_low"], draw.values["speed_high"]
     beyond = np.geomspace(low / BEYOND, BEYOND * high, _STEPS + 1)
     tried = np.unique([*beyond[(beyond < low) | (beyond > high)], low, math.sqrt(low * high), high]).tolist()
     window = [speed for speed in tried if low <= speed <= high]
-    found = {at: even_from(lambda speed, at=at: evenly(sheet, values, at, speed), tried, high) for at in places}
-    often = {at: sum(evenly(sheet, values, at, speed) is False for speed in window) for at in places}
+
+    def stiffly(place: Place, speed: float) -> bool | None:
+        """Whether the drive with rigid parts runs evenly."""
+        return evenly(draw.at(place[0], speed, place[1]), stiff=True)
+
+    def whole(speed: float, own: Draw = draw) -> bool | None:
+        """Whether the whole drive runs evenly at the worst place."""
+        return evenly(own.at(place[0], speed, place[1]))
+
+    found = {at: even_from(lambda speed, at=at: stiffly(at, speed), tried, high) for at in places}
+    often = {at: sum(stiffly(at, speed) is False for speed in window) for at in places}
     place = max(places, key=lambda at: (often[at], found[at] or 0.0))  # what is not known counts as quiet
-    even_speed = found[place]
-    if parts:
-        even_speed = even_from(lambda speed: evenly(sheet, values, place, speed, parts), tried, high)
-    jerky = [speed for speed in window if evenly(sheet, values, place, speed, parts) is False]
-    corner = place[0], jerky[0] if jerky else low, place[1]
+    even_speed = found[place] if draw.sheet.stiff else even_from(whole, tried, high)
+    jerky = [speed for speed in window if whole(speed) is False]
+    there = draw.at(place[0], jerky[0] if jerky else low, place[1])
     if not jerky:
-        ends = [evenly(sheet, own, place, low, parts) for own in islice(draws, _DRAWS)]
+        ends = [whole(low, own) for own in islice(draws, _DRAWS)]
         jerks, share = None if even_speed is None else False, ends.count(False) / max(len(ends), 1)
-        return Starting(jerks, corner, even_speed, share=share, drawn=len(ends))
-    even = {"static_friction": 0.0, "stribeck_rise": 0.0, "friction_slope": 0.0}
-    without = {"static": {"static_friction": 0.0}, "law": even} if sheet.friction.law else {}
-    causes = (name for name, none in without.items() if evenly(sheet, {**values, **none}, place, corner[1], parts))
-    asked = [(place, corner[1]), *product(places, window)]
-    changes = sorted(_changes(sheet, values, asked) if advise else (), key=lambda row: abs(math.log(row.factor or 1.0)))
-    motion = vibration(sheet, values, corner, parts, perturbation=None)
-    return Starting(True, corner, even_speed, motion, next(causes, ""), changes, share=1.0)
+        return Starting(jerks, there, even_speed, share=share, drawn=len(ends))
+    even = {"static_friction_coefficient": 0.0, "stribeck_rise": 0.0, "friction_slope": 0.0}
+    without = {"static": {"static_friction_coefficient": 0.0}, "law": even} if draw.sheet.friction.law else {}
+    causes = (name for name, none in without.items() if whole(there.speed, draw.changed(**none)))
+    asked = [(place, there.speed), *product(places, window)]
+    changes = sorted(_changes(draw, asked) if advise else (), key=lambda row: abs(math.log(row.factor or 1.0)))
+    return Starting(True, there, even_speed, there.motion(None), next(causes, ""), changes, share=1.0)
 
 
-def evenly(sheet: Sheet, values: Values, place: Place, speed: float, parts: Parts = ()) -> bool | None:
-    """Whether a drive with some parts runs evenly once started from rest; None where that is not known."""
+def evenly(there: Operation, stiff: bool = False) -> bool | None:
+    """Whether a drive, or the one with rigid parts, runs evenly once started from rest; None where it is not known."""
     try:
-        drive = drive_of(sheet, values, place[0], speed, place[1], parts)
+        drive = there.rigid if stiff else there.drive
     except InputError:
         return None
-    return runs_evenly(drive, min(_WORK, work_of_many(parts)))
+    return runs_evenly(drive, min(_WORK, work_of_many(() if stiff else there.draw.sheet.parts)))
 
 
-def _forces(values: Values) -> list[float]:
+def _forces(draw: Draw) -> list[float]:
     """The ends of the window of forces [N]; of two that push the same way, weight included, the larger one."""
-    weight = weight_of(values)
-    low, high = sorted((values["force_low"], values["force_high"]), key=lambda force: abs(force + weight))
+    weight, ends = draw.weight, (draw.values["force_low"], draw.values["force_high"])
+    low, high = sorted(ends, key=lambda force: abs(force + weight))
     return [high] if (low + weight) * (high + weight) >= 0 else [low, high]
 
 
-def _changes(sheet: Sheet, values: Values, asked: list[tuple[Place, float]]) -> Iterator[Margin]:
+def _changes(draw: Draw, asked: list[tuple[Place, float]]) -> Iterator[Margin]:
     """The changes of one quantity that end the jerks at the first of the points ``asked``, and at all of them."""
+    values = draw.values
 
     def quiet(keys: tuple[str, ...], factor: float, points: list[tuple[Place, float]]) -> bool:
         """Whether the changed drive runs evenly at some points of its window."""
-        own = scaled(sheet, values, keys, factor)
-        faster, more = own["speed_low"] / values["speed_low"], factor if "force_low" in keys else 1.0
-        return all(
-            evenly(sheet, own, (way, more * force), faster * speed, sheet.parts) for (way, force), speed in points
-        )
+        own = draw.scaled(keys, factor)
+        faster, more = own.values["speed_low"] / values["speed_low"], factor if "force_low" in keys else 1.0
+        return all(evenly(own.at(way, faster * speed, more * force)) for (way, force), speed in points)
 
     for name, keys in changeable(values).items():
         sides = [list(_FACTORS), [1 / factor for factor in _FACTORS]]
-        if name == "static_friction":  # it cannot be below that of slow sliding, nor that by rounding
-            least = (values["friction"] + values.get("stribeck_rise", 0.0)) / values["static_friction"] * (1 + 1e-12)
+        if name == "static_friction_coefficient":  # it cannot be below that of slow sliding, nor that by rounding
+            least = (values["friction_coefficient"] + values.get("stribeck_rise", 0.0)) / values[name] * (1 + 1e-12)
             sides = [[*(factor for factor in sides[1] if factor > least), least]]
         ends = []
         for factors in sides:
@@ -134,7 +136,7 @@ def _changes(sheet: Sheet, values: Values, asked: list[tuple[Place, float]]) -> 
             yield Margin(name, best, best * max((values[key] for key in keys), key=abs))
 
 
-def outcomes(sheet: Sheet, values: Values, direction: int, turning: NDArray, force: NDArray) -> NDArray[np.float64]:
+def outcomes(draw: Draw, direction: int, turning: NDArray[Any], force: NDArray[Any]) -> NDArray[np.float64]:
     """Return 1 where a drive runs evenly from rest, 0 where it does not, NaN where that is not known (force, speed).
 
     Arguments: speeds of the screw [rad/s] and forces [N]. With rigid parts, where only the threads rub and their
@@ -145,14 +147,14 @@ def outcomes(sheet: Sheet, values: Values, direction: int, turning: NDArray, for
 
     def asked(speed: float, push: float) -> float:
         """The answer at a point."""
-        found = evenly(sheet, values, (direction, push), speed, sheet.parts)
+        found = evenly(draw.at(direction, speed, push))
         return math.nan if found is None else float(found)
 
-    if not sheet.stiff or sheet.dry or sheet.friction.sloped:
+    if not draw.sheet.stiff or draw.sheet.dry or draw.sheet.friction.sloped:
         speeds, forces = (np.linspace(axis[0], axis[-1], 9) for axis in (turning, force))
         table = np.array([[asked(speed, push) for speed in speeds.tolist()] for push in forces.tolist()])
         return table[np.ix_(_nearest(forces, force), _nearest(speeds, turning))]
-    weight, speed = weight_of(values), values["speed_high"]
+    weight, speed = draw.weight, draw.values["speed_high"]
     ratio = (force[:, None] + weight) / turning
     sizes = np.geomspace(1e-4, 1.0, 60) * np.abs(ratio).max()
     known = {one: asked(speed, one * speed - weight) for one in [*-sizes[::-1], *sizes]}
@@ -165,6 +167,6 @@ def outcomes(sheet: Sheet, values: Values, direction: int, turning: NDArray, for
     return np.array([known[one] for one in places.tolist()])[_nearest(places, ratio)]
 
 
-def _nearest(places: NDArray, x: NDArray) -> NDArray[np.int64]:
+def _nearest(places: NDArray[Any], x: NDArray[Any]) -> NDArray[np.int64]:
     """The index of the nearest of some ascending places."""
     return np.searchsorted(0.5 * (places[1:] + places[:-1]), x)

@@ -12,12 +12,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lsvib.assess import drive as sheets
-from lsvib.assess.drive import Values, flank_coefficient, sliding_speed, square_coefficient, weight_of
+from lsvib.assess import window
 from lsvib.assess.materials import NUT_MATERIALS, SCREW_MATERIALS
-from lsvib.assess.mechanisms import directions, window_points
+from lsvib.assess.operation import Draw
+from lsvib.assess.quantities import (
+    Values,
+    flank_coefficient,
+    lifting_efficiency,
+    lowering_efficiency,
+    sliding_speed,
+)
 from lsvib.assess.sheet import Sheet
-from lsvib.assess.uncertainty import draw_of, ends
+from lsvib.assess.uncertainty import ends
+from lsvib.assess.words import ABOUT
 from lsvib.errors import InputError
 from lsvib.models.mechanics import holding_coefficient, relieved_half, thread_force
 
@@ -28,51 +35,6 @@ ENDS = {  # of the shaft: end factor K of the column, and β of its first bendin
     "fixed-supported": (2.0, 3.9266),
     "fixed-fixed": (4.0, 4.7300),
 }
-_SHIGLEY = "Shigley, Mechanical Engineering Design"
-_THREAD = f"{_SHIGLEY}, power screws"
-_RECOMMENDED = "limit: 80 % of it, Thomson"
-ABOUT = {  # name, unit, formula and source of each row
-    "starting_torque": (
-        "Torque to start against the load", "N m", "r F tan(λ + ρ) + μ_b r_b F + T_b, ρ of friction at rest", _THREAD,
-    ),
-    "lifting_torque": ("Torque against the load", "N m", "r F tan(λ + ρ) + μ_b r_b F + T_b + c Ω", _THREAD),
-    "lifting_power": ("Power against the load", "W", "torque × Ω", _THREAD),
-    "motor_torque": (
-        "Torque of the motor against the load; before the gear, whose losses come on top", "N m", "torque / gear ratio",
-        "geometry of the gear",
-    ),
-    "lowering_torque": ("Torque with the load", "N m", "r F tan(ρ − λ) + μ_b r_b F + T_b + c Ω", _THREAD),
-    "lowering_power": ("Power with the load", "W", "torque × Ω", _THREAD),
-    "holding_torque": ("Torque to hold at rest", "N m", "r F tan(λ − ρ) − μ_b r_b F − T_b, ρ at rest", _THREAD),
-    "braking_torque": (
-        "Torque to brake; the load turns the screw, and no damping is counted on", "N m",
-        "r F tan(λ − ρ) − μ_b r_b F − T_b", _THREAD,
-    ),
-    "braking_power": ("Power that the brake takes", "W", "torque × Ω", _THREAD),
-    "lifting_efficiency": ("Efficiency against the load", "1", "F r tan λ / (torque without c Ω)", _THREAD),
-    "lowering_efficiency": (
-        "Efficiency with the load; below zero the thread locks", "1", "(torque to brake) / (F r tan λ)", _THREAD,
-    ),
-    "holding_friction": (
-        "Friction at rest; the thread holds from the limit on", "1", "tan λ · cos αₙ", f"{_THREAD}, self-locking",
-    ),
-    "nut_pressure": ("Pressure in the nut", "Pa", "F P / (π d h L)", _THREAD),
-    "sliding_speed": ("Sliding speed of the threads", "m/s", "r Ω / cos λ", "geometry of the helix"),
-    "pv": ("PV, pressure × sliding speed", "Pa m/s", "F P / (π d h L) · r Ω / cos λ", "as bearings are judged"),
-    "column_load": (
-        "Load on the screw as a column", "N", "K π² E I / l² (Euler), or where that is above half of the yield "
-        "strength, A σ (1 − σ A / (4 K π² E I / l²)) (Johnson)", f"{_SHIGLEY}, columns; {_RECOMMENDED}",
-    ),
-    "root_stress": (
-        "Stress of load and torque together in the root", "Pa", "√(σ² + 3 τ²), σ = 4 F / (π d_r²), τ = 16 T / (π d_r³)",
-        f"{_THREAD}; limit: yield strength of the material",
-    ),
-    "screw_speed": (
-        "Speed of the screw; its shaft whirls at the critical one", "rad/s", "β² / l² · √(E I / (density · A))",
-        f"first bending mode of a beam; {_RECOMMENDED}",
-    ),
-}  # fmt: skip
-
 
 Floats = NDArray[np.float64]
 Judged = tuple[Any, Any]  # values at many points and their limits, or None
@@ -80,7 +42,7 @@ Judged = tuple[Any, Any]  # values at many points and their limits, or None
 
 @dataclass(frozen=True)
 class Row:
-    """One quantity of :data:`ABOUT`: its ``middle`` and ``worst`` value, the ``limit`` at the latter if it has one.
+    """One quantity of :data:`lsvib.assess.words.ABOUT`: ``middle`` and ``worst`` value, its ``limit`` there, if any.
 
     ``exceeded``: whether the worst value is beyond the limit. ``middle`` is None where a load is lifted or lowered in
     the middle of the window at no time, but at its ends.
@@ -178,17 +140,14 @@ def critical_speed(modulus: Any, density: Any, diameter: Any, length: Any, root:
 
 def statics(sheet: Sheet) -> Statics:
     """Return all rows for which a sheet has the entries, at the middle values and at the worst ones."""
-    draw = sheets.nominal_draw(sheet)
-    values = sheets.quantities(sheet, draw)
-    middle = _judged(sheet, draw, values, *_middle(_window(sheet, values)))
-    surely_pushed = _pushed(values).any()
-    draw = draw_of(sheet, ends(sheet))
-    values = sheets.quantities(sheet, draw)
-    window = [np.concatenate(parts) for parts in zip(*_window(sheet, values), strict=True)]
-    worst = _judged(sheet, draw, values, *window)
+    draw = Draw.of(sheet)
+    middle = _judged(draw, *_middle(_window(draw)))
+    surely_pushed = _pushed(draw).any()
+    draw = Draw.of(sheet, ends(sheet))
+    worst = _judged(draw, *(np.concatenate(parts) for parts in zip(*_window(draw), strict=True)))
     rows = {key: _row(key, worst[key], middle.get(key)) for key in ABOUT if key in worst}
-    holding, pushed = rows["holding_friction"], _pushed(values)
-    falls = bool((pushed * weight_of(values) > 0).any())
+    holding, pushed = rows["holding_friction"], _pushed(draw)
+    falls = bool((pushed * draw.weight > 0).any())
     if not pushed.any():
         return Statics({**rows, holding.key: replace(holding, exceeded=False)}, None, falls)
     if not holding.exceeded:
@@ -197,32 +156,27 @@ def statics(sheet: Sheet) -> Statics:
     return Statics(rows, "at the middle values" if surely else "within the uncertainties", falls)
 
 
-def lets_go(sheet: Sheet, values: Values, changed: Values) -> bool:
-    """Whether a thread that holds at rest no longer does with ``changed`` quantities in the place of ``values``."""
-    holds = []
-    for own in (values, {**values, **changed}):
-        angle = np.arctan(own["lead"] / (math.pi * own["pitch_diameter"]))
-        needed = _holds_from(own, angle, sheets.collar_of(own), 0.0, 1.0)
-        holds.append(bool(_at_rest(sheet, own) >= needed))
+def lets_go(draw: Draw, changed: Values) -> bool:
+    """Whether a thread that holds at rest no longer does with ``changed`` quantities."""
+    holds = [bool(_at_rest(own) >= _holds_from(own, 0.0, 1.0)) for own in (draw, draw.changed(**changed))]
     return holds == [True, False]
 
 
-def _pushed(values: Values) -> Floats:
+def _pushed(draw: Draw) -> Floats:
     """What pushes the load at rest, against outward travel [N], at both ends of the window (2, n)."""
-    return np.stack(np.broadcast_arrays(*(values[f"force_{end}"] + weight_of(values) for end in ("low", "high"))))
+    return np.stack(np.broadcast_arrays(*(draw.values[f"force_{end}"] + draw.weight for end in ("low", "high"))))
 
 
-def _window(sheet: Sheet, values: Values) -> list[tuple[Floats, Floats, Floats]]:
+def _window(draw: Draw) -> list[tuple[Floats, Floats, Floats]]:
     """Speeds [rad/s], loads against the travel without and with drag [N], at points of the window, (k, n) a direction.
 
     They are those at which stability is asked, between its ends too where friction depends on the speed.
     """
-    found = []
-    drag = values["translational_damping"] * values["lead"] / (2 * math.pi)
-    for direction in directions(sheet):
-        speed, force = (table.reshape(len(table), -1) for table in window_points(sheet, values, direction))
-        held = direction * (force + weight_of(values))
-        found.append((speed, held, held + drag * speed + values.get("guide_friction", 0.0)))
+    found, drag = [], draw.values["translation_damping"] * draw.values["lead"] / (2 * math.pi)
+    for direction in draw.sheet.directions:
+        speed, force = (table.reshape(len(table), -1) for table in window.points(draw, direction))
+        held = direction * (force + draw.weight)
+        found.append((speed, held, held + drag * speed + draw.values.get("slide_friction", 0.0)))
     return found
 
 
@@ -242,13 +196,13 @@ def _middle(window: Sequence[tuple[Floats, Floats, Floats]]) -> tuple[Floats, Fl
     return np.full(load.shape, 0.5 * (speed.min() + speed.max())), held, load
 
 
-def _judged(sheet: Sheet, draw: Values, values: Values, speed: Floats, held: Floats, load: Floats) -> dict[str, Judged]:
+def _judged(draw: Draw, speed: Floats, held: Floats, load: Floats) -> dict[str, Judged]:
     """All quantities with their limits, for speeds and loads (k, n), ``held`` at rest; NaN where one does not occur.
 
     Where the threads jam, μ ≥ cot λ, the torque against the load is infinite.
     """
-    p, _ = sheets.point(sheet, values, 1, speed, 0.0)
-    radius, angle, coefficient = p["pitch_radius"], p["lead_angle"], p["friction_coefficient"]
+    sheet, values, entries, collar = draw.sheet, draw.values, draw.entries, draw.collar
+    radius, angle, coefficient = draw.pitch_radius, draw.lead_angle, draw.at(1, speed, 0.0).friction[0]
     turns = coefficient * np.tan(angle) < 1  # else the threads jam
     if sheet.preloaded and not turns.all():
         raise InputError(
@@ -256,19 +210,18 @@ def _judged(sheet: Sheet, draw: Values, values: Values, speed: Floats, held: Flo
             "lower friction or the lead of the thread."
         )
     found: dict[str, Judged] = {}
-    at_rest = _at_rest(sheet, values)
-    rough = square_coefficient(at_rest, angle, values["half_angle"])
-    collar = sheets.collar_of(values)
-    bearing, guide = (values.get(key, 0.0) for key in ("bearing_torque", "guide_friction"))
+    at_rest = _at_rest(draw)
+    rough = draw.square(at_rest)
+    bearing, guide = (values.get(key, 0.0) for key in ("bearing_friction", "slide_friction"))
     left = np.clip(np.abs(held) - guide, 0.0, None)  # of the load, what the guide does not hold
-    nut = draw.get("nut.preload", 0.0), draw.get("nut.load_share", 1.0)
+    nut = entries.get("nut.preload", 0.0), entries.get("nut.load_share", 1.0)
 
     def needed(force: Any, coefficient: Any, lifting: bool) -> Any:
         """The torque against or with a force, without damping."""
         relieved = relieved_half(force, *nut)
         return torque(force, radius, angle, coefficient, lifting, collar, relieved) + bearing
 
-    drag, size = values["rotational_damping"] * speed, np.abs(load)
+    drag, size = values["support_damping"] * speed, np.abs(load)
     against, along = (needed(size, coefficient, lifting) + drag for lifting in (True, False))
     against = np.where(turns, against, np.inf)
     # The dampings are guesses, on which no brake should count.
@@ -284,11 +237,11 @@ def _judged(sheet: Sheet, draw: Values, values: Values, speed: Floats, held: Flo
         for row, factor in ((f"{name}_torque", 1.0), (f"{name}_power", speed)):
             if row in ABOUT and acting.any():
                 found[row] = np.where(acting, effort * factor, np.nan), None
-    if "lifting_torque" in found and "coupling.gear_ratio" in draw:
-        found["motor_torque"] = found["lifting_torque"][0] / draw["coupling.gear_ratio"], None
+    if "lifting_torque" in found and "coupling.gear_ratio" in entries:
+        found["motor_torque"] = found["lifting_torque"][0] / entries["coupling.gear_ratio"], None
     if held.any() or not sheet.preloaded:  # both halves of a nut rub whatever the load, so without one there is none
-        found["lifting_efficiency"] = np.where(turns, sheets.lifting_efficiency(coefficient, angle, collar), 0.0), None
-        found["lowering_efficiency"] = sheets.lowering_efficiency(coefficient, angle, collar), None
+        found["lifting_efficiency"] = np.where(turns, lifting_efficiency(coefficient, angle, collar), 0.0), None
+        found["lowering_efficiency"] = lowering_efficiency(coefficient, angle, collar), None
     rubs, work = sheet.dry or sheet.preloaded, np.abs(held) * radius * np.tan(angle)  # per radian
     if rubs and held.any():
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -296,53 +249,52 @@ def _judged(sheet: Sheet, draw: Values, values: Values, speed: Floats, held: Flo
     if rubs and (held > 0).any():
         share = work / needed(held + guide, coefficient, True)
         found["lifting_efficiency"] = np.where((held > 0) & turns, share, np.where(held > 0, 0.0, np.nan)), None
-    holds = _holds_from(values, angle, collar, bearing, left, relieved_half(left, *nut))
-    found["holding_friction"] = at_rest, holds
-    found |= _nut(sheet, draw, values, size + relieved_half(size, *nut), sliding_speed(speed, radius, angle))
-    return found | _shaft(sheet, draw, speed, size, np.where(load >= 0, against, np.abs(along)))
+    found["holding_friction"] = at_rest, _holds_from(draw, bearing, left, relieved_half(left, *nut))
+    found |= _nut(draw, size + relieved_half(size, *nut), sliding_speed(speed, radius, angle))
+    return found | _shaft(sheet, entries, speed, size, np.where(load >= 0, against, np.abs(along)))
 
 
-def _holds_from(values: Values, angle: Any, collar: Any, bearing: Any, left: Any, relieved: Any = 0.0) -> Any:
+def _holds_from(draw: Draw, bearing: Any, left: Any, relieved: Any = 0.0) -> Any:
     """The friction of the flanks from which on threads, collar and bearing hold what is ``left`` of the load [N]."""
-    helps, tangent = collar * left + bearing / (0.5 * values["pitch_diameter"]), np.tan(angle)
+    helps, tangent = draw.collar * left + bearing / draw.pitch_radius, np.tan(draw.lead_angle)
     with np.errstate(divide="ignore", invalid="ignore"):
         root = holding_coefficient(-helps, left, relieved, tangent, 1)
     needed = np.where(left > 0, root, 0.0 if np.any(left > 0) else tangent)
-    return flank_coefficient(np.clip(needed, 0.0, None), angle, values["half_angle"])
+    return flank_coefficient(np.clip(needed, 0.0, None), draw.lead_angle, draw.values["half_angle"])
 
 
-def _at_rest(sheet: Sheet, values: Values) -> Any:
+def _at_rest(draw: Draw) -> Any:
     """Friction of the flanks at rest [1]: static friction, or else that of slow sliding."""
-    if "static_friction" in values:
-        return values["static_friction"]
-    p, _ = sheets.point(sheet, values, 1, 0.0, 0.0)
-    return flank_coefficient(p["friction_coefficient"], p["lead_angle"], values["half_angle"])
+    if "static_friction_coefficient" in draw.values:
+        return draw.values["static_friction_coefficient"]
+    return flank_coefficient(draw.at(1, 0.0, 0.0).friction[0], draw.lead_angle, draw.values["half_angle"])
 
 
-def _nut(sheet: Sheet, draw: Values, values: Values, force: Floats, sliding: Any) -> dict[str, Judged]:
+def _nut(draw: Draw, force: Floats, sliding: Any) -> dict[str, Judged]:
     """Pressure by the ``force`` on the flanks, sliding speed and their product in the nut, or its more loaded half.
 
     A limit of the sheet goes before that of the material.
     """
-    if sheet.nut is None or "nut.length" not in draw:
+    nut, size, entries = draw.sheet.nut, draw.sheet.thread.size, draw.entries
+    if nut is None or "nut.length" not in entries:
         return {}
-    material = NUT_MATERIALS.get(sheet.nut.material or "")
-    depth = sheet.thread.size.engaged_depth if sheet.thread.size else 0.5
-    pressure = nut_pressure(force, values["pitch_diameter"], draw["nut.length"], depth)
+    material = NUT_MATERIALS.get(nut.material or "")
+    depth = size.engaged_depth if size else 0.5
+    pressure = nut_pressure(force, draw.values["pitch_diameter"], entries["nut.length"], depth)
     return {
-        "nut_pressure": (pressure, draw.get("nut.pressure_limit", material and material.pressure_limit)),
-        "sliding_speed": (sliding, draw.get("nut.speed_limit")),
-        "pv": (pressure * sliding, draw.get("nut.pv_limit", material and material.pv_limit)),
+        "nut_pressure": (pressure, entries.get("nut.pressure_limit", material and material.pressure_limit)),
+        "sliding_speed": (sliding, entries.get("nut.speed_limit")),
+        "pv": (pressure * sliding, entries.get("nut.pv_limit", material and material.pv_limit)),
     }
 
 
-def _shaft(sheet: Sheet, draw: Values, speed: Floats, force: Floats, turned: Any) -> dict[str, Judged]:
+def _shaft(sheet: Sheet, entries: Values, speed: Floats, force: Floats, turned: Any) -> dict[str, Judged]:
     """The screw as a column, whichever way the ``force`` acts, its speed, and the stress with the torque ``turned``."""
     found: dict[str, Judged] = {}
-    diameter = draw.get("screw.root_diameter", sheet.thread.size and sheet.thread.size.root_diameter)
+    diameter = entries.get("screw.root_diameter", sheet.thread.size and sheet.thread.size.root_diameter)
     material = SCREW_MATERIALS[sheet.screw.material or "steel"]
     if sheet.screw.ends is not None:
-        length = draw["screw.unsupported_length" if "screw.unsupported_length" in draw else "screw.length"]
+        length = entries["screw.unsupported_length" if "screw.unsupported_length" in entries else "screw.length"]
         factor, root = ENDS[sheet.screw.ends]
         column = column_load(material.modulus, material.yield_strength, diameter, length, factor)
         whirling = critical_speed(material.modulus, material.density, diameter, length, root)

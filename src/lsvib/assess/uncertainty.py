@@ -11,10 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import binomtest, qmc, sobol_indices, uniform
 
-from lsvib.assess.drive import efficiencies, nominal_draw, quantities, random_entries
-from lsvib.assess.mechanisms import reserves_of, worst
+from lsvib.assess.operation import Draw, most_perturbed
 from lsvib.assess.sheet import Sheet
-from lsvib.assess.vibration import most_perturbed
+from lsvib.assess.window import count_of, worst
 from lsvib.errors import InputError
 
 BLOCK = 2**12  # samples whose quantities are in memory at once
@@ -60,27 +59,13 @@ class Uncertainty:
     lifting: tuple[float, float]
 
 
-def draw_of(sheet: Sheet, shares: NDArray[np.float64]) -> dict[str, Any]:
-    """Return the entries of a sheet for points (d, n) of the unit cube, one coordinate to an uncertain entry."""
-    draw: dict[str, Any] = dict(nominal_draw(sheet))
-    spreads = sheet.spreads
-    for path, share in zip(random_entries(sheet), np.atleast_2d(shares), strict=True):
-        draw[path] = spreads[path].quantile(np.clip(share, 1e-9, 1 - 1e-9))  # off the ends, where some are infinite
-    return draw
-
-
-def entries_of(sheet: Sheet, shares: NDArray[np.float64]) -> dict[str, float]:
-    """Return the entries of a sheet for one point (d, 1) of the unit cube."""
-    return {path: float(np.ravel(value)[0]) for path, value in draw_of(sheet, shares).items()}
-
-
 def evaluated(sheet: Sheet, shares: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
     """Return the lowest reserve (n) [1] of each mechanism over the window for points (d, n) of the unit cube.
 
     Raises ``InputError`` if the friction of one of them is so strong that the drive cannot move at all.
     """
-    alone = not random_entries(sheet)  # then it is the drive at the middle values, with its own points of the window
-    found = worst(sheet, quantities(sheet, draw_of(sheet, shares)), between=alone)
+    alone = not sheet.random  # then it is the drive at the middle values, with its own points of the window
+    found = worst(Draw.of(sheet, shares), between=alone)
     reserves = {name: np.broadcast_to(one.reserve, shares.shape[1:]) for name, one in found.items()}
     if any(np.isnan(reserve).any() for reserve in reserves.values()):
         raise InputError(
@@ -95,14 +80,14 @@ def study(sheet: Sheet, samples: int, seed: int) -> Uncertainty:
 
     Raises ``InputError`` in one sentence.
     """
-    entries, points = random_entries(sheet), np.zeros((0, 1))
+    entries, points = sheet.random, np.zeros((0, 1))
     if entries:
         points = qmc.Sobol(len(entries), scramble=True, rng=seed).random(samples).T
     blocks = [evaluated(sheet, part) for part in np.split(points, range(BLOCK, points.shape[1], BLOCK), axis=1)]
     found = {name: np.concatenate([block[name] for block in blocks]) for name in blocks[0]}
     varied = [name for name, reserve in found.items() if name != "after_perturbation" and np.ptp(reserve) > 0]
     first, whole = _indices(sheet, entries, varied, _draws(sheet, entries, samples), seed) if varied else ({}, {})
-    pair = efficiencies(sheet, quantities(sheet, draw_of(sheet, points)))
+    pair = Draw.of(sheet, points).efficiencies
     lifting, lowering = (np.broadcast_to(one, points.shape[1:]) for one in pair)
     unstable = np.any([reserve < 0 for name, reserve in found.items() if name != "after_perturbation"], axis=0)
     chances = {name: _probability(reserve < 0, reserve) for name, reserve in found.items()}
@@ -150,10 +135,9 @@ def _perturbed(
     if not candidates.size:
         return may, None
     answers = []
-    corners = reserves_of(sheet, quantities(sheet, nominal_draw(sheet)))
+    corners = count_of(Draw.of(sheet))
     for k in candidates[: min(ASKED, max(ASKED_CORNERS // corners, 16))]:
-        found = quantities(sheet, draw_of(sheet, points[:, k, None]))
-        answers.append((k, *most_perturbed(sheet, {key: float(np.ravel(value)[0]) for key, value in found.items()})))
+        answers.append((k, *most_perturbed(Draw.of(sheet, points[:, k]))))
     hits, asked = sum(answer is True for _, answer, *_ in answers), len(answers)
     unknown = sum(answer is None for _, answer, *_ in answers)
     value = candidates.size / reserve.size * hits / (asked - unknown) if unknown < asked else None
@@ -166,7 +150,7 @@ def _perturbed(
 
 def _draws(sheet: Sheet, entries: list[str], samples: int) -> int:
     """How many drives each index of Sobol is taken from: fewer where the window has many points."""
-    points = reserves_of(sheet, quantities(sheet, nominal_draw(sheet))) * (len(entries) + 2)
+    points = count_of(Draw.of(sheet)) * (len(entries) + 2)
     count = min(samples, BLOCK)
     while count * points > MOST_RESERVES and count > 64:
         count //= 2
@@ -191,7 +175,7 @@ def _indices(sheet: Sheet, entries: list[str], names: list[str], count: int, see
 
 def ends(sheet: Sheet) -> NDArray[np.float64]:
     """Return the corners (d, n) of the unit cube of the uncertain entries, as many as a block has samples at most."""
-    size = len(random_entries(sheet))
+    size = len(sheet.random)
     if size <= 12:
         return (np.arange(2**size) >> np.arange(size)[:, None]) % 2.0
     return np.round(qmc.Sobol(size, scramble=True, rng=size).random(BLOCK).T)
@@ -204,11 +188,11 @@ def worst_cases(sheet: Sheet, lowest: Mapping[str, NDArray[np.float64]]) -> dict
     at once. Corners at which the drive cannot move at all are left out. A search from there on found a lower reserve
     for one in 100 worst cases of drives such as catalogues offer, and another sign for none.
     """
-    if not random_entries(sheet):
+    if not sheet.random:
         return {}
     shares = np.concatenate([np.stack(list(lowest.values()), axis=1), ends(sheet)], axis=1)
     found = {}
-    for name, one in worst(sheet, quantities(sheet, draw_of(sheet, shares))).items():
+    for name, one in worst(Draw.of(sheet, shares)).items():
         reserve = np.broadcast_to(one.reserve, shares.shape[1:])
         k = np.nanargmin(reserve)
         found[name] = float(reserve[k]), shares[:, k]

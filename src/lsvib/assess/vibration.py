@@ -1,4 +1,4 @@
-"""The motion of one drive at one point of operation: what the vibration is, and how large a perturbation it takes."""
+"""The motion of one drive: what the vibration is, and how large a perturbation it takes."""
 
 import math
 from dataclasses import dataclass, field
@@ -7,10 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lsvib.assess.drive import Corner, Parts, Values
-from lsvib.assess.mechanisms import corners, drive_of, reserves
-from lsvib.assess.sheet import Sheet
-from lsvib.assess.words import shown
+from lsvib.assess.words import TOLERATED, shown
 from lsvib.basins.boundary import AttractsNothing, basin
 from lsvib.basins.resilience import largest_tolerated
 from lsvib.dynamics.attractor import Attractor, SteadyState, orbit_extremes, steady_state
@@ -25,8 +22,10 @@ from lsvib.models.rigid import rigid_automaton
 
 UNDECIDED = ("neutral family", "unresolved", "unknown")  # ends of motions that neither settle nor certainly vibrate
 _WITHOUT_CYCLE = (Attractor.NEUTRAL_FAMILY, Attractor.UNRESOLVED)
-_NUDGE = 1e-3  # of the speed: how far from steady sliding a motion starts that shows whether it is stable
+NUDGE = 1e-3  # of the speed: how far from steady sliding a motion starts that shows whether it is stable
 STRONG = 5.0  # times the speed: a perturbation that counts as strong, and the largest that has to be tried
+Parts = tuple[str, ...]  # of a drive, which comply
+Tolerated = tuple[float | None, str]  # a sudden change of the screw's speed [rad/s], None if not known; a sentence
 _SAMPLES = 1200  # even ones of the motion shown: 200 a period
 # Work after which a motion counts as unresolved, a second or two: events with two states, units of one with more. Of
 # many motions that are only asked where they end each gets less.
@@ -73,21 +72,18 @@ class Vibration:
         return self.frequency is not None and 20.0 <= self.frequency <= 20e3
 
 
-def vibration(
-    sheet: Sheet, values: Values, corner: Corner, parts: Parts = (), perturbation: float | None = _NUDGE
-) -> Vibration:
+def vibration(drive: Drive, perturbation: float | None, parts: Parts, law: bool) -> Vibration:
     """Follow the motion of a drive from near steady sliding, u = 0, w = ``perturbation`` Ω, or from rest, to its end.
 
-    ``perturbation``: None for a start from rest; ``parts``: those of the sheet that comply. Friction is that at the
-    running speed, to which a slope or curve adds nothing, unless the sheet has a law of friction.
+    ``perturbation``: None for a start from rest; ``parts``: what complies; ``law``: whether friction follows one.
     """
     most = _WORK_OF_PARTS if parts else _WORK_OF_RIGID
-    work = (_WORK_OF_LAW if sheet.friction.law else most) // max(1, len(parts) ** 2)
+    work = (_WORK_OF_LAW if law else most) // max(1, len(parts) ** 2)
     try:
-        drive, definition, automaton, start, end = _ended(sheet, values, corner, parts, perturbation, work)
+        definition, automaton, start, end = ended(drive, perturbation, work)
     except (InputError, EngineError) as error:
         return Vibration(parts, "unknown", reason=str(error))
-    words = _word(end.label)
+    words = word(end.label)
     try:
         start, span, times, states = _shown(drive, definition, automaton, start, end)
     except EngineError as error:
@@ -105,18 +101,17 @@ def vibration(
     )
 
 
-def _ended(
-    sheet: Sheet, values: Values, corner: Corner, parts: Parts, perturbation: float | None, most_work: int
-) -> tuple[Drive, Model, Automaton, dict[str, float], SteadyState]:
-    """The drive, its model and automaton, the start of a motion, at rest without a perturbation, and its end."""
-    drive = drive_of(sheet, values, *corner, parts)
+def ended(
+    drive: Drive, perturbation: float | None, most_work: int
+) -> tuple[Model, Automaton, dict[str, float], SteadyState]:
+    """Return model and automaton of a drive, the start of a motion, at rest without a perturbation, and its end."""
     definition = model_of(drive)
     start = definition.from_rest(drive)
     if perturbation is not None:
         start = {"u": 0.0, "w": perturbation * drive.input_speed}
     automaton = definition.build(drive, definition.physics_of(drive), "contact_sign")
     state = definition.initial_state(drive, start)
-    return drive, definition, automaton, start, steady_state(automaton, state, max_events=most_work)
+    return definition, automaton, start, steady_state(automaton, state, max_events=most_work)
 
 
 def work_of_many(parts: Parts) -> int:
@@ -124,7 +119,7 @@ def work_of_many(parts: Parts) -> int:
     return min(_WORK_OF_MANY // max(1, len(parts) ** 2), _WORK_OF_PARTS if parts else _WORK_OF_RIGID)
 
 
-def _word(label: Attractor) -> str:
+def word(label: Attractor) -> str:
     """An attractor by the key of :data:`lsvib.assess.words.ATTRACTORS`."""
     return label.name.lower().replace("_", " ")
 
@@ -196,90 +191,59 @@ def _speeds(orbit: Motion, row: NDArray[np.float64]) -> tuple[float, float]:
     return slowest, fastest
 
 
-def tolerated_perturbation(sheet: Sheet, values: Values, corner: Corner) -> tuple[float | None, str]:
+def tolerated(drive: Drive) -> Tolerated:
     """Return the sudden change of the screw's speed [rad/s] that the rigid drive tolerates, and a sentence.
 
     Infinite if motion comes back from any, zero if steady sliding is unstable, None if it is not known.
     """
-    drive = drive_of(sheet, values, *corner)
     if not drive.rigid:
-        return None, "The largest tolerated perturbation has no closed form with friction of bearing, collar or guide."
+        return None, TOLERATED["no_closed_form"]
     try:
         if rigid_automaton(drive).contracts and drive.support_damping > 0:
-            return math.inf, "Steady sliding is reached again after any perturbation."
+            return math.inf, TOLERATED["any"]
         c = coefficients(drive)
         ratio = 0.5 * float(c.damping[-1]) / math.sqrt(drive.coupling_stiffness * float(c.gamma[-1]))
         if not c.paradox and 0 < ratio < 2e-4:  # the boundary winds through more than 10⁴ turns
-            return None, "The largest tolerated perturbation is not computed for a drive with so little damping."
+            return None, TOLERATED["hardly_damped"]
         region = basin(drive)
     except AttractsNothing as error:
         return 0.0, str(error)
     except (InputError, EngineError) as error:
         return None, str(error)
     if not region.curves:
-        return math.inf, "Steady sliding is reached again after any perturbation."
+        return math.inf, TOLERATED["any"]
     found = largest_tolerated(region, 1)
     if found > 1e4 * abs(drive.input_speed):  # more than a drive meets
-        return math.inf, "Steady sliding is reached again after any sudden change of the screw's speed."
-    return found, "A larger sudden change of the screw's speed ends in vibration that goes on."
+        return math.inf, TOLERATED["any_sudden"]
+    return found, TOLERATED["some"]
 
 
-def most_perturbed(sheet: Sheet, values: Values) -> tuple[bool | None, float, Corner | None]:
-    """Return whether a perturbation starts vibration of the drive with rigid parts, the smallest, and its corner.
-
-    Asked is the exact basin at every corner of the window where Γ₊ or C₊ is negative, as none does without (docs);
-    where it is not known, a motion after a strong perturbation, with a law of friction at all corners. None if that
-    does not show it either. The smallest is in rad/s, infinite if there is none.
-    """
-    places = [
-        place
-        for place in corners(sheet, values)
-        if sheet.friction.law or reserves(sheet, values, *place)["after_perturbation"] < 0
-    ]
-    sizes: dict[Corner, float | None] = {}
-    for place in dict.fromkeys((int(direction), float(speed), float(force)) for direction, speed, force in places):
-        size = tolerated_perturbation(sheet, values, place)[0]
-        if not size:  # not known, or a drive that nothing damps
-            try:
-                strong = _word(_ended(sheet, values, place, (), -STRONG, work_of_many(()))[-1].label)
-            except (InputError, EngineError):
-                strong = "unknown"
-            size = None if strong in ("steady sliding", *UNDECIDED) else STRONG * place[1]
-        sizes[place] = size
-    known = {place: size for place, size in sizes.items() if size is not None}
-    size, first = min(((size, place) for place, size in known.items()), default=(math.inf, None))
-    return (True if size < math.inf else None if len(known) < len(sizes) else False), size, first
-
-
-def tolerated_by_trial(
-    sheet: Sheet, values: Values, corner: Corner, stiff: float | None, parts: Parts = ("threads",)
-) -> tuple[float | None, str]:
+def tolerated_by_trial(drive: Drive, stiff: float | None, parts: Parts = ("threads",)) -> Tolerated:
     """Return the same of compliant threads, by motions after perturbations of either sign, without proof.
 
     ``stiff``: what the drive with stiff threads tolerates [rad/s], around which others are tried; ``parts``: none
     for a rigid drive with a law of friction.
     """
-    drive = drive_of(sheet, values, *corner, parts)
-    threads = " with compliant threads" if "threads" in parts else ""
+    threads = TOLERATED["threads"] if "threads" in parts else ""
     definition = model_of(drive)
 
     def ends(speed: float) -> str:
         state = definition.initial_state(drive, {"u": 0.0, "w": speed})
-        return _word(steady_state(automaton, state, max_events=_WORK_OF_MANY // 3).label)
+        return word(steady_state(automaton, state, max_events=_WORK_OF_MANY // 3).label)
 
     known = stiff is not None and 0 < stiff < math.inf
     scale = stiff if known else abs(drive.input_speed)
     compared = known and parts == ("threads",)  # which is all that the other drive does not have
-    beside = f" With perfectly stiff threads it would be {shown(stiff, 'rad/s')}." if compared else ""
-    of_sheet = f"{threads} of the data sheet,".replace("with", "with the") if threads else ""
-    tried = f"Tried{of_sheet} by perturbations of either sign.{beside}"
+    tried = TOLERATED["tried_threads" if threads else "tried"]
+    if compared:
+        tried = f"{tried} {TOLERATED['beside'].format(size=shown(stiff, 'rad/s'))}"
     low = 0.0
     try:
         automaton = definition.build(drive, definition.physics_of(drive), "contact_sign")
-        slightest = ends(_NUDGE**2 * scale)
+        slightest = ends(NUDGE**2 * scale)
         if slightest != "steady sliding":  # without damping it neither comes back nor vibrates more and more
             known = slightest not in ("neutral family", "unresolved")
-            return (0.0, f"Steady running is unstable{threads}.") if known else (None, "")
+            return (0.0, TOLERATED["unstable"].format(threads=threads)) if known else (None, "")
         sizes = [scale * part for part in (0.1, 0.25, 0.5, 0.75, 0.95, 1.2, 2.0, 5.0)]
         while sizes[-1] < STRONG * abs(drive.input_speed):
             sizes.append(2 * sizes[-1])
@@ -287,7 +251,7 @@ def tolerated_by_trial(
             found = {sign: ends(sign * size) for sign in (1, -1)}
             lost = [sign for sign, end in found.items() if end != "steady sliding"]
             if "unresolved" in found.values():
-                return None, f"How large a perturbation it tolerates{threads} could not be determined."
+                return None, TOLERATED["unresolved"].format(threads=threads)
             if lost:
                 high = size
                 for _ in range(6):  # until the ends of the bracket are some 1 % apart
@@ -298,4 +262,4 @@ def tolerated_by_trial(
             low = size
     except (InputError, EngineError) as error:
         return None, str(error)
-    return math.inf, f"Perturbations of up to {shown(low, 'rad/s')} were tried{threads}; all were tolerated."
+    return math.inf, TOLERATED["all_tried"].format(size=shown(low, "rad/s"), threads=threads)

@@ -1,83 +1,67 @@
-"""The words of the report: every term of the theory with its plain meaning, and numbers with units."""
+"""The words of the report, which stand in words.yaml beside this file, and numbers with units."""
 
 import math
 import re
+from functools import partial
+from pathlib import Path
+from typing import Any, NamedTuple
 
-MECHANISMS = {
-    "negative_damping": (
-        "Negative damping",
-        "Friction turns the damping of the load's travel into its opposite: each small oscillation of the screw is "
-        "amplified instead of damped. It needs a self-locking thread, a load that pushes in the direction of travel, "
-        "and more damping at the load than the screw's own damping can make up for.",
-    ),
-    "kinematic_constraint": (
-        "Kinematic constraint",
-        "Wedging: a load heavy against the screw's inertia, behind a self-locking thread, presses the threads together "
-        "faster than the screw can yield, so that the screw seizes and lets go again and again (sprag-slip).",
-    ),
-    "mode_coupling": (
-        "Mode coupling of the support",
-        "The screw's turning and its shifting along its axis against the bearing lock into one common oscillation "
-        "that draws energy from the motor through friction.",
-    ),
-    "falling_friction": (
-        "Friction that falls with speed",
-        "A little faster means a little less friction, which makes the screw faster still; if that outweighs the "
-        "damping, small oscillations grow.",
-    ),
-    "thread_contact": (
-        "Compliant thread contact",
-        "Screw and nut oscillate against each other on the elasticity of the threads and draw energy through "
-        "friction, although the drive would run quietly with perfectly stiff threads.",
-    ),
-    "from_rest": (
-        "Jerks after a start from rest",
-        "The screw stands until the coupling has wound up enough to break it loose, runs ahead of the motor and stands "
-        "again, for ever; where friction at rest is above that of sliding this happens at low speeds.",
-    ),
-    "after_perturbation": (
-        "Vibration after a perturbation",
-        "Steady running is stable, but it is not the only motion that sustains itself: after a perturbation that is "
-        "large enough, a knock for instance, the drive does not return to it, but seizes and slips again and again.",
-    ),
-}
+import yaml
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+_WORDS: dict[str, Any] = yaml.safe_load(Path(__file__).with_name("words.yaml").read_text(encoding="utf-8"))
+
+
+class Quantity(NamedTuple):
+    """What the verdict depends on: its name in files, in words, and its unit."""
+
+    name: str
+    words: str
+    unit: str
+
+
+MECHANISMS = {name: (entry["name"], entry["meaning"]) for name, entry in _WORDS["mechanisms"].items()}
 """Name and plain meaning of each mechanism."""
 
-SHORT = {name: words[0].lower() + words[1:] for name, (words, _) in MECHANISMS.items()}
-"""Their names, for the middle of a sentence."""
-
-ATTRACTORS = {
-    "steady sliding": "steady running",
-    "stick slip cycle": "stick-slip: the screw stops and breaks loose again in every cycle",
-    "sprag slip cycle": "sprag-slip: the screw is stopped by an impact of the threads in every cycle",
-    "other cycle": "an oscillation of the speed about its mean, without standstill",
-    "neutral family": "an oscillation that neither grows nor decays, as nothing damps it",
-    "unbounded": "a motion that grows without limit",
-    "rest": "standstill",
-    "unresolved": "a motion that does not settle into a pattern within the events that were computed",
-    "unknown": "unknown",
-}
+ATTRACTORS: dict[str, str] = _WORDS["ends"]
 """Where motions end, in plain words."""
 
-VERDICTS = {
-    "vibrates": "This drive will vibrate: at the values of the data sheet steady running is unstable somewhere in the "
-    "operating window.",
-    "jerks": "This drive jerks or vibrates once it is switched on: started from rest it does not become steady "
-    "somewhere in the operating window, at the middle values of the data sheet.",
-    "may jerk": "This drive may jerk or vibrate once it is switched on: at the middle values of the data sheet it "
-    "becomes steady after a start from rest, but not for all values within the given uncertainties.",
-    "may vibrate": "This drive may vibrate: at the middle values of the data sheet it runs steadily, but not for all "
-    "values within the given uncertainties.",
-    "steady until perturbed": "Steady running of this drive is stable, but a strong perturbation, such as a knock, can "
-    "start vibration that goes on.",
-    "steady without reserve": "Nothing in the data sheet makes this drive vibrate, but nothing damps it either: "
-    "oscillations that something else starts do not decay.",
-    "steady but for rare values": "This drive runs steadily in the operating window for every one of the drives that "
-    "were drawn from the given uncertainties, but the worst combination of their values can vibrate.",
-    "steady": "This drive runs steadily: nothing was found in the operating window that makes it vibrate, neither at "
-    "the middle values nor in the drives drawn from the given uncertainties and at the ends of these.",
-}
+TOLERATED: dict[str, str] = _WORDS["tolerated"]
+"""What is said of the largest perturbation that steady running tolerates."""
+
+VERDICTS: dict[str, str] = _WORDS["verdicts"]
 """The verdict in one sentence, by its name."""
+
+QUANTITIES = {name: Quantity(*entry) for name, entry in _WORDS["quantities"].items()}
+"""What the verdict depends on, by the names of a drive's parameters; coefficients of friction are of the flanks."""
+
+ABOUT: dict[str, dict[str, str]] = _WORDS["statics"]
+"""``name``, ``unit``, ``formula`` and ``source`` of each row of statics."""
+
+
+def environment(folder: Path, html: bool = False) -> Environment:
+    """Return what renders the templates of a folder, of which pages escape their texts."""
+    found = Environment(
+        loader=FileSystemLoader(folder),
+        autoescape=html,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    found.filters |= {"fmt": format, "short": short, "yaml": partial(yaml.safe_dump, sort_keys=False)}
+    return found
+
+
+def short(mechanism: str) -> str:
+    """Return the name of a mechanism for the middle of a sentence."""
+    name = str(MECHANISMS[mechanism][0])
+    return name[0].lower() + name[1:]
+
+
+def capital(text: str) -> str:
+    """Return a text for the beginning of a sentence."""
+    return text[0].upper() + text[1:]
 
 
 def entry_name(path: str) -> str:
@@ -113,6 +97,11 @@ def shown(value: float | None, unit: str) -> str:
         factor, prefix = next((pair for pair in _PREFIXES if size >= pair[0]), _PREFIXES[-1])
         return f"{_figure(value / factor)} {prefix}{unit}"
     return f"{_figure(value)} {unit}"
+
+
+def size(value: float | None, unit: str) -> str:
+    """Return a quantity in words; a torque against threads that jam is infinite."""
+    return "any (it jams)" if value is not None and math.isinf(value) else shown(value, unit)
 
 
 def percent(value: float | None) -> str:

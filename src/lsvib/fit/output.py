@@ -1,13 +1,14 @@
 """Fit one sheet; say what was found in plain words and as JSON, and write dataset and picture: all of them or none."""
 
 import json
+import re
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray as xr
-import yaml
 
+from lsvib.assess.words import environment
 from lsvib.datasets.io import write_dataset
 from lsvib.figures import style
 from lsvib.figures.measured_drive import residual_panel, torque_panel
@@ -27,10 +28,6 @@ _ENDS = {
 }
 POOR = 0.1  # of the typical torque: residuals beyond are no good fit
 NONE = 0.3  # of the typical torque: a law that leaves more rms is none to copy
-_WORDS = {
-    "friction_coefficient": "The constant part of friction of the threads and the Coulomb drag of the bearing",
-    "friction_slope": "The slope of friction of the threads and the viscous drag of the bearing",
-}
 
 
 def fit_file(path: Path, out: Path | None = None) -> dict[str, Any]:
@@ -73,8 +70,7 @@ def as_json(found: FittedSheet) -> dict[str, Any]:
         "ends": {name: _end(found, end) for name, end in fit.ends.items()},
         "loads": loads,
         "falls_up_to": {
-            words: [falls_up_to(measured, main, load, int(sense * (np.sign(load) or 1))) for load in loads]
-            for words, sense in _SENSES.items()
+            words: [_falls(found, load, sense) for load in loads] for words, sense in _SENSES.items()
         },
         "halves": [
             {"speed": speed, "half_sum": friction, "half_difference": of_load}
@@ -136,235 +132,66 @@ def _loads(found: FittedSheet, end: Solution) -> list[float] | None:
 
 
 def sentences(found: FittedSheet) -> list[str]:
-    """Return what the data say and what they do not, in sentences."""
-    fit, measured = found.fit, found.fit.measured
-    said = [f"Left out of {text}." for text in found.left_out] or ["No sample was left out."]
-    said += [
-        f"{_WORDS[threads]} are not separable: only the sum of their torques is known. Give one of them in "
-        "the sheet, or measure with a second load; below all of it is in the threads at one end, and as much as can be "
-        "in the bearing at the other."
-        for threads, _ in fit.not_separable
-    ]
-    if measured.directions == 1:
-        said.append("One direction was measured only: whether load and zero of the torque are right cannot be seen.")
-    loads = [value for end in fit.ends.values() for value in _loads(found, end) or ()]
-    if loads and "offset" in fit.unknown and np.ptp(measured.load) == 0:
-        text = " to ".join(f"{value:.3g}" for value in sorted({float(f"{value:.3g}") for value in loads}))
-        said.append(
-            f"The sheet gives a load of {measured.load[0]:.4g} N; if the torque had no zero error, the "
-            f"difference between both directions would be that of {text} N."
-        )
-    residual = fit.main.residual[np.lexsort((measured.speed, measured.load))]
-    alike = float(np.sum(residual[1:] * residual[:-1]) / np.sum(residual**2)) if residual.any() else 0.0
-    if alike > 2 / np.sqrt(residual.size):  # two standard deviations of what independent residuals have
-        said.append(
-            f"Residuals at neighbouring speeds are alike (correlation {alike:.2f}): the law leaves more than noise, "
-            "and the standard errors, which take residuals to be independent, are too small."
-        )
-    said += _of_misfit(found) + _of_exponents(found)
-    fading, speed = np.array(measured.fading), fit.main.values["stribeck_speed"]
-    if "stribeck_speed" in fit.main.free and (abs(speed / fading - 1) < 1e-3).any():
-        said.append(
-            f"The speed over which the rise fades, {speed:.3g} m/s, is at the end of what the measured speeds can show."
-        )
-    if not fit.rise_seen:
-        said.append("No rise of friction towards slow sliding is seen.")
-    said += _of_falling(found)
-    said += [f"Of {text}" for table in found.tables if table.record for text in table.record.said[1:]]
-    if found.inertia:
-        value, error = found.inertia
-        load = (
-            "without that of the mass it moves" if all(table.mass for table in found.tables) else "the load's included"
-        )
-        said.append(
-            f"Starts and stops tell an inertia of {value:.3g} ± {error:.1g} kg m² of what turns, {load}: in a data "
-            f"sheet it is screw: {{inertia: {value:.3g} kg*m^2}}."
-        )
-    said += _of_jerks(found)
-    if not len(measured.breakaway):
-        said.append("No table begins at rest, so there is no breakaway and no static coefficient.")
-    elif not fit.main.static:
-        said.append("The breakaway torque is not above that of slow sliding, so there is no static coefficient.")
-    elif any(point.breakaway is not None for point in found.points) or found.stick_slip is None:
-        said.append(
-            "The static coefficient is of the largest torque at rest, which noise of the samples makes larger: take it "
-            "as an upper bound."
-        )
-    if fit.main.absurd:
-        said.append(
-            f"Left out of the static coefficient: breakaway torques that would make it negative, above "
-            f"{LARGEST_STATIC:g} or so large that the screw jams ({fit.main.absurd})."
-        )
-    return said
+    """Return what the data say and what they do not, in sentences, by the template ``output_said.j2``."""
+    fit, measured, main = found.fit, found.fit.measured, found.fit.main
+    typical, off = float(np.median(np.abs(measured.torque))), np.abs(main.residual)
+    k, residual = int(np.argmax(off)), main.residual[np.lexsort((measured.speed, measured.load))]
+    loads = {float(f"{value:.3g}") for end in fit.ends.values() for value in _loads(found, end) or ()}
+    most = float(measured.load[np.argmax(np.abs(measured.load))])
+    turned = np.unique(np.sign(measured.speed[measured.load == most] * (most or 1)))
+    falls = {words: _falls(found, most, sense) for words, sense in _SENSES.items() if sense in turned}
+    records = [table.record for table in found.tables if table.record]
+    near_an_end = np.abs(main.values["stribeck_speed"] / np.array(measured.fading) - 1) < 1e-3
+    text = _rendered(
+        "output_said.j2",
+        found=found,
+        fit=fit,
+        main=main,
+        loads=[f"{value:.3g}" for value in sorted(loads)],
+        one_load=np.ptp(measured.load) == 0,
+        size=residual.size,
+        alike=float(np.sum(residual[1:] * residual[:-1]) / np.sum(residual**2)) if residual.any() else 0.0,
+        worst={
+            "rms": main.rms / typical, "share": off[k] / typical, "speed": measured.speed[k],
+            "load": measured.load[k], "name": found.points[k].name,
+        },
+        at_the_end="stribeck_speed" in main.free and near_an_end.any(),
+        falls_under=most,
+        falls={words: speed for words, speed in falls.items() if speed},
+        longest=max((one.period[0] for one in records if one.period), default=0.0),
+    )  # fmt: skip
+    return [" ".join(part.split()) for part in re.split(r"\n\s*\n", text.strip())]
 
 
-def _of_misfit(found: FittedSheet) -> list[str]:
-    """Say that the law does not fit, where it leaves much of the typical torque over."""
-    measured, residual = found.fit.measured, np.abs(found.fit.main.residual)
-    typical, k = float(np.median(np.abs(measured.torque))), int(np.argmax(residual))
-    if residual[k] <= POOR * typical:
-        return []
-    return [
-        f"The law fits poorly: it leaves {found.fit.main.rms / typical:.0%} of the typical torque rms, and most, "
-        f"{residual[k] / typical:.0%}, at {measured.speed[k]:.4g} rad/s under {measured.load[k]:.4g} N "
-        f"({found.points[k].name})."
-    ]
+def _falls(found: FittedSheet, load: float, sense: int) -> float:
+    return falls_up_to(found.fit.measured, found.fit.main, load, int(sense * (np.sign(load) or 1)))
 
 
-def _of_exponents(found: FittedSheet) -> list[str]:
-    """Say what the law would be with the other exponent, where the points do not tell it from the chosen one."""
-    if (other := found.fit.rival) is None:
-        return []
-    names = ("friction_coefficient", "stribeck_rise", "stribeck_speed")
-    values = ", ".join(f"{name} {other.values[name]:.3g}" for name in names)
-    return [
-        f"The exponent of the rise is not known: {other.values['stribeck_exponent']:.0f} fits about as well as "
-        f"{found.fit.main.values['stribeck_exponent']:.0f}, with {values}. The standard errors take the chosen one "
-        "for certain; what both laws differ by comes on top."
-    ]
-
-
-def _of_jerks(found: FittedSheet) -> list[str]:
-    """Say what jerks tell of the drive."""
-    told = found.stick_slip
-    if told is None:
-        return []
-    seen = [table.record.period[0] for table in found.tables if table.record is not None and table.record.period]
-    stiffness, error = told.stiffness
-    said = [
-        f"While the screw stands the torque climbs as behind a spring of {stiffness:.3g} ± {error:.1g} N m/rad between "
-        "command and screw: with a controller of the speed its integral gain, in series with all else that yields.",
-        f"The torque at which jerks begin is that of a screw that has stood for {max(seen):.2g} s at most; after a "
-        "longer rest it may be larger.",
-    ]
-    if told.damping is None:
-        return [*said, f"Damping and the speed from which on it runs evenly are not known: {told.doubt}."]
-    low, high = told.damping
-    known = f"between {low:.2g} and {high:.2g}" if low else f"of at most {high:.2g}"
-    said.append(f"Which files jerk and which are even leaves a damping {known} N m s/rad between command and screw.")
-    if told.middle is None:
-        return [*said, f"The speed from which on it runs evenly is not known: {told.doubt}."]
-    speed, end = told.even_speed, "at no speed that was tried"
-    if speed is not None:
-        end = (
-            f"from {speed:.3g} rad/s ({speed * 30 / np.pi:.3g} rpm) on, in all directions and under all loads that jerk"
-        )
-    said.append(f"With {told.middle:.2g} N m s/rad the drive runs evenly {end}.")
-    if told.periods:
-        screw, model = (f"{min(own):.3g} to {max(own):.3g} s" for own in zip(*told.periods, strict=True))
-        said.append(f"Where the screw jerks every {screw}, that drive jerks every {model}.")
-    return said
-
-
-def _behind(record: dict[str, Any]) -> str:
-    """The stiffness of a record of jerks in words, if it is known."""
-    return f"behind {record['stiffness']:.3g} N m/rad" if "stiffness" in record else "behind an unknown stiffness"
-
-
-def _told(record: dict[str, Any]) -> str:
-    """What a start, a stop or a ramp tells, in words."""
-    parts = {"inertia": (1, "kg m²"), "breakaway": (1e3, "mN m"), "ramp": (1, "rad/s²")}
-    return ", ".join(
-        f"{key} {record[key] * size:.3g} ± {record['standard_errors'][key] * size:.1g} {unit}"
-        for key, (size, unit) in parts.items()
-        if key in record and record["kind"] != "jerks"
-    )
-
-
-def _of_falling(found: FittedSheet) -> list[str]:
-    """Say up to which speed friction falls, in the directions that were measured under the largest load."""
-    measured = found.fit.measured
-    load = float(measured.load[np.argmax(np.abs(measured.load))])
-    turned = np.unique(np.sign(measured.speed[measured.load == load] * (load or 1)))
-    falls = {
-        words: falls_up_to(measured, found.fit.main, load, int(sense * (np.sign(load) or 1)))
-        for words, sense in _SENSES.items()
-        if sense in turned
-    }
-    texts = [f"{speed:.3g} rad/s ({speed * 30 / np.pi:.3g} rpm) {words}" for words, speed in falls.items() if speed]
-    return [f"Under {load:.4g} N friction falls with the speed up to {' and '.join(texts)}."] if texts else []
+def _rendered(template: str, **values: Any) -> str:
+    templates = environment(Path(__file__).parent)
+    constants = {"POOR": POOR, "NONE": NONE, "ENDS": _ENDS, "PARAMETERS": PARAMETERS, "LARGEST_STATIC": LARGEST_STATIC}
+    templates.globals |= constants | {"rpm": lambda speed: speed * 30 / np.pi}
+    return templates.get_template(template).render(**values)
 
 
 def blocks(result: dict[str, Any]) -> str:
     """Return the friction law, and the bearing's drag, as a data sheet, a scene and ``--set`` take it.
 
-    Each is introduced by a comment.
-
-    Nothing but a comment where the law leaves so much of the torque that it is none.
+    Each is introduced by a comment. Nothing but a comment where the law leaves so much of the torque that it is none.
     """
-    if result["rms"] > NONE * result["typical_torque"]:
-        share = result["rms"] / result["typical_torque"]
-        return f"# The fitted law leaves {share:.0%} of the typical torque: it is no law of this screw.\n"
     rubs, brakes = result["bearing"]["coulomb"], result["bearing"]["viscous"]
-    drag = {"torque": f"{rubs:.6g} N*m"} if rubs else {}
-    drag |= {"viscous": f"{brakes:.6g} N*m*s/rad"} if brakes else {}
     parts = result["friction"] | ({"bearing_friction": rubs} if rubs else {})
     parts |= {"support_damping": brakes} if brakes else {}
-    jerks, more = result["stick_slip"], {}
+    jerks = result["stick_slip"]
     if jerks and jerks["damping"]:
-        more = {
-            "coupling": {"stiffness": f"{jerks['stiffness']:.6g} N*m/rad"},
-            "damping": {"rotational": f"{jerks['damping']:.6g} N*m*s/rad"},
-        }
         parts |= {"coupling_stiffness": jerks["stiffness"], "support_damping": jerks["damping"] + brakes}
-    if result["inertia"]:
-        more["screw"] = {"inertia": f"{result['inertia']['value']:.4g} kg*m^2"}
-    law = {key: float(f"{value:.6g}") for key, value in parts.items()}
-    options = " ".join(f"--set {key}={value:g}" for key, value in law.items())
-    sheet = yaml.safe_dump({"friction": result["sheet"]} | ({"bearing": drag} if drag else {}) | more, sort_keys=False)
-    scene = yaml.safe_dump({"drive": law}, sort_keys=False)
-    end = f"; {_ENDS[next(iter(result['ends']))].lower()}, the upper bound" if result["not_separable"] else ""
-    low, high = result["sliding_speeds"]
-    return (
-        f"# Measured at sliding speeds from {low:.3g} to {high:.3g} m/s{end}.\n"
-        f"# For a data sheet of lsvib assess, coefficients of the flanks:\n{sheet}"
-        f"# For a scene, of the square thread (those of the flanks over the cosine of their angle):\n{scene}"
-        f"# For the shell:\n# {options}\n"
-    )
+    drive = {key: float(f"{value:.6g}") for key, value in parts.items()}
+    return _rendered("output_blocks.j2", **result, drive=drive)
 
 
 def text_of(result: dict[str, Any]) -> str:
     """Return what was found as a person reads it, torques in mN m."""
-    lines = [f"{'file':>16} {'rad/s':>9} {'scatter':>8} {'mN m':>9} {'scatter':>8} {'samples':>8}"]
-    for point in result["measured"] if result["points"] <= 100 else ():  # a table of rows is not repeated
-        scatter = [point["speed_scatter"], point["torque_scatter"]]
-        spread = [
-            "" if value is None else f"{value * factor:.3g}" for value, factor in zip(scatter, (1, 1e3), strict=True)
-        ]
-        lines.append(
-            f"{point['name'][-16:]:>16} {point['speed']:9.4g} {spread[0]:>8} {point['torque'] * 1e3:9.4f} "
-            f"{spread[1]:>8} {point['samples']:8d}"
-        )
-    lines += [
-        f"{record['file'][-16:]:>16} jerks every {record['period']:.4g} s {_behind(record)}, "
-        f"from {record['breakaway'] * 1e3:.3g} to {record['after'] * 1e3:.3g} mN m"
-        for record in result["records"]
-        if "period" in record
-    ]
-    lines += [f"{record['file'][-16:]:>16} {_told(record)}" for record in result["records"] if _told(record)]
-    if result["halves"]:
-        lines += ["", f"{'both directions':>16} {'rad/s':>9} {'half-sum':>18} {'half-difference, mN m':>26}"]
-    lines += [
-        f"{'':>16} {row['speed']:9.4g} {row['half_sum'] * 1e3:18.4f} {row['half_difference'] * 1e3:26.4f}"
-        for row in result["halves"]
-    ]
-    lines += ["", *result["said"], ""]
-    for name, end in result["ends"].items():
-        values = {**end["friction"], **end["bearing"], "offset": end["offset"]}
-        lines.append(
-            f"{_ENDS[name]}: rms {end['rms'] * 1e3:.3g} mN m, largest residual {end['largest_residual'] * 1e3:.3g} mN m"
-        )
-        for key, value in values.items():
-            error = end["standard_errors"].get(key)
-            unit = PARAMETERS.get(key, ("1",))[0]
-            of_error = f" ± {error:.2g}" if error is not None else ""
-            lines.append(f"  {key:28} {value:.4g}{of_error}{'' if unit == '1' else f' {unit}'}")
-        lines += ["  correlation:"]
-        lines += [
-            f"  {key:28} {' '.join(f'{value:6.2f}' for value in row)}"
-            for key, row in zip(end["correlation"]["of"], end["correlation"]["matrix"], strict=True)
-        ]
-    return "\n".join([*lines, "", blocks(result).rstrip()])
+    return _rendered("output_text.j2", **result, blocks=blocks(result).rstrip()).strip("\n")
 
 
 def dataset(found: FittedSheet) -> xr.Dataset:

@@ -11,15 +11,16 @@ import numpy as np
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
 
 from lsvib.assess import fields
-from lsvib.assess.drive import GRAVITY, flank_coefficient, square_coefficient, thread_geometry
 from lsvib.assess.fields import NotQuantity, Spread
-from lsvib.assess.sheet import Thread, sentence
+from lsvib.assess.quantities import GRAVITY, flank_coefficient, square_coefficient, thread_geometry
+from lsvib.assess.sheet import Thread
 from lsvib.errors import InputError
 from lsvib.fit.law import Fit, Measured, Solution, fitted, steady_torque
 from lsvib.fit.records import Record, look
 from lsvib.fit.starts import Number
 from lsvib.fit.stick_slip import StickSlip, breaking, combined, explained
 from lsvib.fit.tables import MOST_COLUMNS, REST, Point, read_table, refuse_record, row_points, steady_point
+from lsvib.models.drive import sentence_about
 from lsvib.models.scene import read_yaml
 from lsvib.numbers import NotNumber, number, shown, whole
 
@@ -191,7 +192,7 @@ class MeasuredSheet(_Entries):
         try:
             sheet = cls.model_validate(found)
         except ValidationError as error:
-            text = sentence(error, cls)
+            text = sentence_about(cls, error)
             raise InputError(text.replace("measurements.0.", "measurements.") if alone else text) from None
         if (problem := sheet.thread.problem()) is not None:
             raise InputError(problem)

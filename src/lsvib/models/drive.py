@@ -417,19 +417,31 @@ def parameters_of(drive: Drive | Mapping[str, Any] | None) -> dict[str, Any]:
 
 
 def sentence_about(model: type[BaseModel], error: ValidationError) -> str:
-    """Return one sentence about the first complaint of pydantic about a model, with key, value and range."""
+    """Return one sentence about the first complaint of pydantic about a model, with key, value and range.
+
+    The models may lie in one another. A ``ValueError`` of a field's own is the end of the sentence.
+    """
     # Of a misspelt key the misspelling is the news, not that the right one is missing.
     first = min(error.errors(), key=lambda complaint: complaint["type"] == "missing")
     cause = first.get("ctx", {}).get("error")
     if isinstance(cause, InputError) and not isinstance(cause, NotNumber):
         return str(cause)
-    key = ".".join(str(part) for part in first["loc"])
-    field = model.model_fields.get(key)
-    if first["type"] == "extra_forbidden":
+    key, kind, value = ".".join(str(part) for part in first["loc"]), first["type"], shown(first["input"])
+    if isinstance(cause, ValueError) and not isinstance(cause, InputError):
+        return f"{key} {cause}."
+    if kind == "extra_forbidden":
+        for part in filter(lambda part: isinstance(part, str), first["loc"][:-1]):  # not the places in a list
+            annotation = model.model_fields[str(part)].annotation
+            kinds = (annotation, *getattr(annotation, "__args__", ()))
+            model = next(one for one in kinds if isinstance(one, type) and issubclass(one, BaseModel))
         return f"{key} is not a known key; the known keys are {', '.join(model.model_fields)}."
-    if first["type"] == "missing":
+    if kind == "missing":
         return f"{key} is missing."
-    allowed, value = allowed_range(model, key) if field is not None else "", shown(first["input"])
+    if kind == "literal_error":
+        return f"{key} = {value} is not one of {first['ctx']['expected'].replace(chr(39), '')}."
+    if kind in ("model_type", "model_attributes_type", "dict_type"):
+        return f"{key} = {value} does not hold names and values."
+    allowed = allowed_range(model, key) if key in model.model_fields else ""
     if isinstance(cause, NotNumber):
         return f"{key} = {value} {cause}{'; the allowed range is ' if allowed else ''}{allowed}."
     if allowed:

@@ -1,0 +1,269 @@
+"""A drive of a data sheet, and what it is and does at one point of operation: parameters, reserves, motion."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from types import SimpleNamespace
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lsvib.assess import mechanisms, vibration, window
+from lsvib.assess.quantities import (
+    FRICTION,
+    GRAVITY,
+    Values,
+    lifting_efficiency,
+    lowering_efficiency,
+    quantities,
+    sliding_speed,
+    square_coefficient,
+)
+from lsvib.assess.sheet import Sheet
+from lsvib.errors import EngineError, InputError
+from lsvib.models import friction
+from lsvib.models.drive import PARTS, Drive, zero_if_close
+
+_RIGID = ("screw_inertia", "coupling_stiffness", "support_damping", "mass", "translation_damping")
+_DRY = ("bearing_friction", "slide_friction", "collar_friction")
+PAIRS = {"force": ("force_low", "force_high"), "speed": ("speed_low", "speed_high")}
+"""Quantities of the window, which are changed together."""
+
+
+@dataclass(frozen=True, eq=False)
+class Draw:
+    """A drive of a sheet, or many: ``values`` by :data:`lsvib.assess.words.QUANTITIES`, floats or arrays (n).
+
+    ``entries``: of the sheet, from which they follow, but for changes.
+    """
+
+    sheet: Sheet
+    values: Values
+    entries: Values
+
+    @classmethod
+    def of(cls, sheet: Sheet, shares: NDArray[np.float64] | None = None) -> Self:
+        """Return the drive at the middle values, or for a point (d) or points (d, n) of the unit cube.
+
+        ``shares``: one coordinate to each uncertain entry.
+        """
+        entries: dict[str, Any] = {path: entry.nominal for path, entry in sheet.spreads.items()}
+        if shares is not None:
+            inside = np.clip(shares, 1e-9, 1 - 1e-9)  # off the ends, where some are infinite
+            pairs = zip(sheet.random, inside, strict=True)
+            entries |= {path: sheet.spreads[path].quantile(share) for path, share in pairs}
+        if shares is not None and shares.ndim > 1:
+            return cls(sheet, quantities(sheet, entries), entries)
+        entries = {path: float(value) for path, value in entries.items()}
+        return cls(sheet, {key: float(value) for key, value in quantities(sheet, entries).items()}, entries)
+
+    def at(self, direction: Any, speed: Any, force: Any) -> "Operation":
+        """Return it at a direction of travel ±1, a speed of the screw > 0 [rad/s] and a force [N], or at many."""
+        return Operation(self, direction, speed, force)
+
+    def changed(self, **values: Any) -> "Draw":
+        """Return it with some quantities changed."""
+        return replace(self, values={**self.values, **values})
+
+    def scaled(self, keys: Sequence[str], factors: Any) -> "Draw":
+        """Multiply some quantities; where a sheet gives the speed of the load, a larger lead turns the screw slower."""
+        changed = {key: self.values[key] * factors for key in keys}
+        if "lead" in keys and self.sheet.operation.speed.unit == "m/s":
+            changed |= {key: self.values[key] / factors for key in PAIRS["speed"]}
+        return self.changed(**changed)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """That of the arrays, () of one drive."""
+        return np.broadcast_shapes(*map(np.shape, self.values.values()))
+
+    @property
+    def weight(self) -> Any:
+        """The part of the weight along the axis [N], against outward travel."""
+        return self.values["mass"] * GRAVITY * np.sin(self.values["tilt"])
+
+    @property
+    def collar(self) -> Any:
+        """What a thrust collar adds to |ξ_s|, μ_b r_b / r_m [1]; zero without one."""
+        collar = self.values.get("collar_friction", 0.0) * self.values.get("collar_diameter", 0.0)
+        return collar / self.values["pitch_diameter"]
+
+    @property
+    def pitch_radius(self) -> Any:
+        """Half of the pitch diameter, r_m [m]."""
+        return 0.5 * self.values["pitch_diameter"]
+
+    @property
+    def lead_angle(self) -> Any:
+        """λ [rad]."""
+        return np.arctan(self.values["lead"] / (2 * math.pi * self.pitch_radius))
+
+    @property
+    def travel(self) -> Any:
+        """The travel of the load per radian of the screw [m]."""
+        return self.values["lead"] / (2 * math.pi)
+
+    @property
+    def friction_law(self) -> dict[str, Any]:
+        """The friction law of the square thread (:mod:`lsvib.models.friction`), as parameters of a drive."""
+        flanks = {key: self.values.get(key, 0.0) for key in FRICTION}
+        law = {key: self.square(value) for key, value in flanks.items()}
+        fading = {"stribeck_speed": self.values.get("stribeck_speed", 0.0)}
+        return law | fading | {"stribeck_exponent": self.sheet.friction.stribeck_exponent}
+
+    def square(self, coefficient: Any) -> Any:
+        """Return the coefficient of the square thread for one of the flanks."""
+        return square_coefficient(coefficient, self.lead_angle, self.values["half_angle"])
+
+    @property
+    def efficiencies(self) -> tuple[Any, Any]:
+        """The lifting and the lowering efficiency [1] at the middle speed; below zero the latter is self-locking."""
+        there = self.at(1, 0.5 * (self.values["speed_low"] + self.values["speed_high"]), 0.0)
+        thread = there.parameters["friction_coefficient"], self.lead_angle, self.collar
+        return lifting_efficiency(*thread), lowering_efficiency(*thread)
+
+    @cached_property
+    def corners(self) -> list["Operation"]:
+        """The points of the window where a reserve can be lowest.
+
+        They are those of docs/assess.md: with rigid parts reserves of damping are monotonic in the size of R̃.
+        """
+        return [
+            self.at(direction, speed, force)
+            for direction in self.sheet.directions
+            for speed, force in zip(*window.points(self, direction), strict=True)
+        ]
+
+    @cached_property
+    def worst(self) -> dict[str, window.Worst]:
+        """The lowest reserve of each mechanism over the window, see :func:`lsvib.assess.window.worst`."""
+        return window.worst(self)
+
+    def critical(self, mechanism: str) -> "Operation":
+        """Return the point of the window at which one drive has the lowest reserve of a mechanism."""
+        worst = self.worst[mechanism]
+        corner = self.corners[int(worst.corner[0])]
+        return self.at(int(corner.direction), float(worst.speed[0]), float(corner.force))
+
+
+@dataclass(frozen=True, eq=False)
+class Operation:
+    """A point of operation: ``direction`` of travel ±1, ``speed`` of the screw > 0 [rad/s], ``force`` [N].
+
+    The force acts against outward travel; the weight adds to it.
+    """
+
+    draw: Draw
+    direction: Any
+    speed: Any
+    force: Any
+
+    @property
+    def corner(self) -> tuple[Any, Any, Any]:
+        """Direction, speed and force."""
+        return self.direction, self.speed, self.force
+
+    @cached_property
+    def without_friction(self) -> dict[str, Any]:
+        """The parameters of the drive with all of its parts, but for friction of the threads."""
+        draw, values = self.draw, self.draw.values
+        found = {key: values[key] for key in (*_RIGID, *_DRY) if key in values}
+        if "collar_friction" in values:
+            found["collar_radius"] = 0.5 * values["collar_diameter"]
+        found |= {key: values[key] for part in draw.sheet.parts for key in PARTS[part]}
+        if "coupling_damping" in values:
+            found["coupling_damping"] = values["coupling_damping"]
+        return found | {
+            "pitch_radius": draw.pitch_radius,
+            "lead_angle": draw.lead_angle,
+            "input_speed": self.direction * self.speed,
+            "axial_force": -(self.force + draw.weight),
+        }
+
+    @cached_property
+    def friction(self) -> tuple[Any, Any]:
+        """Coefficient μ [1] of the square thread at the speed, not below zero, and its slope μ′ [s/m]."""
+        draw, sheet, values = self.draw, self.draw.sheet, self.draw.values
+        sliding = sliding_speed(self.speed, draw.pitch_radius, draw.lead_angle)
+        if sheet.friction.law:
+            coefficient, slope = friction.unbounded(SimpleNamespace(**draw.friction_law), sliding)
+            positive = np.real(coefficient) > 0
+            return np.where(positive, coefficient, 0.0), np.where(positive, slope, 0.0)
+        coefficient, slope = values["friction_coefficient"], values["friction_slope"]
+        if sheet.friction.curve is not None:
+            mean = float(np.mean(sheet.friction.curve.coefficients))
+            scale = coefficient / mean if mean > 0 else 1.0  # a curve that is zero throughout stays so
+            coefficient, slope = (scale * x for x in sheet.friction.curve.at(sliding))
+        return draw.square(coefficient), draw.square(slope)
+
+    @cached_property
+    def parameters(self) -> dict[str, Any]:
+        """The parameters of the drive with all of its parts; friction is that at the speed."""
+        return {**self.without_friction, "friction_coefficient": self.friction[0]}
+
+    @cached_property
+    def reserves(self) -> dict[str, Any]:
+        """The reserve [1] of each mechanism, see :func:`lsvib.assess.mechanisms.reserves`."""
+        return mechanisms.reserves(self.parameters, self.friction[1], self.draw.sheet.friction.sloped)
+
+    @cached_property
+    def drive(self) -> Drive:
+        """The drive with the parts of the sheet; with its law of friction, if there is one, else its coefficient here.
+
+        Raises ``InputError`` where it is out of range.
+        """
+        return self._drive(self.parameters)
+
+    @cached_property
+    def rigid(self) -> Drive:
+        """The same with rigid parts, and a motor that turns as it is told."""
+        return self._drive(mechanisms.without(self.parameters, *PARTS))
+
+    def _drive(self, parameters: Values) -> Drive:
+        given = {**parameters, **(self.draw.friction_law if self.draw.sheet.friction.law else {})}
+        return Drive(**{key: zero_if_close(key, float(value)) for key, value in given.items()})
+
+    def motion(self, perturbation: float | None = vibration.NUDGE, stiff: bool = False) -> vibration.Vibration:
+        """Return the motion from near steady sliding, u = 0, w = ``perturbation`` Ω, or None from rest, to its end.
+
+        ``stiff``: that of the rigid drive. Friction is that at the running speed, to which a slope or curve adds
+        nothing, unless the sheet has a law of friction.
+        """
+        parts = () if stiff else self.draw.sheet.parts
+        try:
+            drive = self.rigid if stiff else self.drive
+        except (InputError, EngineError) as error:
+            return vibration.Vibration(parts, "unknown", reason=str(error))
+        return vibration.vibration(drive, perturbation, parts, self.draw.sheet.friction.law)
+
+    @cached_property
+    def tolerated(self) -> vibration.Tolerated:
+        """The sudden change of the screw's speed [rad/s] that the rigid drive tolerates, and a sentence."""
+        return vibration.tolerated(self.rigid)
+
+
+def most_perturbed(draw: Draw) -> tuple[bool | None, float, Operation | None]:
+    """Return whether a perturbation starts vibration of the drive with rigid parts, the smallest, and where.
+
+    Asked is the exact basin at every corner of the window where Γ₊ or C₊ is negative, as none does without (docs);
+    where it is not known, a motion after a strong perturbation, with a law of friction at all corners. None if that
+    does not show it either. The smallest is in rad/s, infinite if there is none.
+    """
+    law, sizes = draw.sheet.friction.law, {}
+    places = {there.corner: there for there in draw.corners if law or there.reserves["after_perturbation"] < 0}
+    for corner, there in places.items():
+        size = there.tolerated[0]
+        if not size:  # not known, or a drive that nothing damps
+            try:
+                end = vibration.ended(there.rigid, -vibration.STRONG, vibration.work_of_many(()))[-1]
+                strong = vibration.word(end.label)
+            except (InputError, EngineError):
+                strong = "unknown"
+            size = None if strong in ("steady sliding", *vibration.UNDECIDED) else vibration.STRONG * there.speed
+        sizes[corner] = size
+    known = {corner: size for corner, size in sizes.items() if size is not None}
+    size, first = min(((size, corner) for corner, size in known.items()), default=(math.inf, None))
+    started = True if size < math.inf else None if len(known) < len(sizes) else False
+    return started, size, places[first] if first else None
