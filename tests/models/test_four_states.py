@@ -25,7 +25,7 @@ from lsvib.models.mechanics import coefficients
 from lsvib.models.model import automaton_of, model_of
 from lsvib.models.names import Event
 from lsvib.models.rigid import MotionMode, rigid_automaton
-from lsvib.stability.conditions import critical_value
+from lsvib.stability.boundaries import place_values
 
 # Of each coordinate, what steady sliding of the chapter's drives is resolved to.
 LEAST = {"threads": (0, 0, 0, 0), "support": (1e-2, 1.0, 1e-7, 1e-4), "nut": (1e-2, 1.0, 1e-2, 1.0)}
@@ -220,7 +220,7 @@ def test_in_the_band_one_rest_below_it_another_reverse_slip_above_it_slip_forwar
             axial_force=-(10 ** random.uniform(-1, 3)),
             input_speed=10 ** random.uniform(0, 3),
         )
-        drive = drive.replace(mass=critical_value(drive, "mass") * random.uniform(1.01, 10))
+        drive = drive.replace(mass=place_values(drive, "kinematic_constraint", "mass")[0] * random.uniform(1.01, 10))
         start = [10 ** random.uniform(-3, 0), -drive.input_speed * (1 + 10 ** random.uniform(-2, 1))]
         for side, mode in after_reverse_slips(drive, start, 0.05):
             counts[side] += 1

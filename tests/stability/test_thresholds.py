@@ -29,7 +29,6 @@ from lsvib.models.model import automaton_of
 from lsvib.models.names import Event
 from lsvib.models.rigid import MotionMode, rigid_automaton
 from lsvib.stability import boundaries
-from lsvib.stability.conditions import critical_value
 from lsvib.stability.force_thresholds import threshold_force
 from lsvib.stability.threshold import solve_threshold
 
@@ -120,10 +119,14 @@ def test_peak_of_the_contact_force(force):
 
 
 def test_effective_inertia_changes_sign_at_the_critical_mass():
-    mass = critical_value(Drive(), "mass")
+    mass = Drive().threshold("kinematic_constraint").value
     assert exact(Drive.of(mass=mass * (1 - 1e-15))).Gamma(1) > 0 > exact(Drive.of(mass=mass * (1 + 1e-15))).Gamma(1)
-    assert critical_value(Drive.of(friction_coefficient=0.05), "mass") is None  # not self-locking
-    assert critical_value(support_drive(mass=1e-6), "friction_coefficient") is None
+    for drive, unknown in (
+        (Drive(friction_coefficient=0.05), "mass"),
+        (support_drive(mass=1e-6), "friction_coefficient"),
+    ):
+        with pytest.raises(lsvib.NoThreshold):  # not self-locking; too light
+            drive.threshold("kinematic_constraint", unknown)
 
 
 @pytest.mark.parametrize("speed", [40.0, -40.0])
@@ -181,15 +184,6 @@ def test_forces_are_those_of_the_functions(sense):
             assert abs(found.value - expected) <= math.ulp(expected)
             low, high = found.enclosure
             assert low <= found.value <= high <= math.nextafter(low, math.inf)
-
-
-def test_critical_values_are_those_of_the_closed_forms():
-    drive, unknown = lsvib.Drive(mass=15), "friction_coefficient"
-    assert drive.threshold("kinematic_constraint").value == critical_value(drive, "mass")
-    assert drive.threshold("kinematic_constraint", unknown).value == critical_value(drive, unknown)
-    assert drive.thresholds(unknown)["kinematic_constraint"].value == critical_value(drive, unknown)
-    support = support_drive(mass=15)
-    assert support.threshold("kinematic_constraint", unknown).value == critical_value(support, unknown)
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ from lsvib.figures.settings import PhasePlane, Values
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
 from lsvib.stability.conditions import conditions
-from lsvib.stability.linear import eigenvalue_pair
+from lsvib.stability.spectrum import eigenvalue_pair
 
 CAPTION = """\
 Phase plane of the rigid drive under negative effective damping (8.19) with a contact force of the direction of motion

@@ -23,7 +23,7 @@ from lsvib.models.model import model_of
 from lsvib.stability import spectrum
 from lsvib.stability.isolation import isolated_roots
 from lsvib.stability.solve import Equations, allowed
-from lsvib.stability.spectrum import SAME, margins, polynomial
+from lsvib.stability.spectrum import SAME, Polynomial, margins
 
 NAMES = ("onset", "kinematic_constraint", "negative_damping", "flutter")
 """Thresholds that are roots of these equations."""
@@ -113,6 +113,14 @@ def _leading(values: ParameterValues, t: Any, sense: int) -> Any:
     return LinearParts.of(values, 1, t).level().stiff().polynomial()[0]
 
 
+def _polynomial(values: ParameterValues, law: int, t: Any) -> Polynomial:
+    return LinearParts.of(values, law, t).polynomial()
+
+
+def _damping(values: ParameterValues, t: Any, sense: int) -> Any:
+    return LinearParts.of(values, 1, t).level().polynomial()[1]
+
+
 def _friction(values: ParameterValues, t: Any, sense: int) -> Any:
     return friction.steady_sum(values, t)[0]
 
@@ -135,7 +143,7 @@ def _margins(drive: Drive, law: int, neutral: bool, sloped: bool) -> list[RootCo
             words[0] = model.constraint
 
     def condition(which: int, text: str) -> RootCondition:
-        return RootCondition(text, lambda values, t, sense: margins(polynomial(values, law, t), neutral)[which])
+        return RootCondition(text, lambda values, t, sense: margins(_polynomial(values, law, t), neutral)[which])
 
     return [condition(k, text) for k, text in enumerate(words)]
 
@@ -262,7 +270,7 @@ class Line:
     def margins(self, x: Any, law: int) -> tuple[Any, ...]:
         """Return the numbers that are all positive where steady sliding is stable under a law."""
         values, t, _ = self.at(x)
-        return margins(polynomial(values, law, t), self.neutral)
+        return margins(_polynomial(values, law, t), self.neutral)
 
     def stable(self, x: fmpq) -> bool:
         """Whether steady sliding is stable (asymptotically; neutrally where nothing damps)."""
@@ -361,7 +369,7 @@ def places(drive: Drive, name: str, unknown: str) -> list[Place] | None:
     elif name == "kinematic_constraint":
         wanted = {0: RootCondition(model_of(drive).constraint, _leading)}
     else:
-        wanted = {0: RootCondition(_DAMPING, lambda values, t, sense: polynomial(values, 1, t, True)[1])}
+        wanted = {0: RootCondition(_DAMPING, _damping)}
     roots = [(line, law, c, line.roots_with_friction(c)) for line in lines for law, c in wanted.items()]
     if all(found is None for *_, found in roots):
         return None
@@ -374,6 +382,15 @@ def places(drive: Drive, name: str, unknown: str) -> list[Place] | None:
         if not x or line.crosses(x, condition)
     ]
     return _in_order(drive, unknown, found)
+
+
+def place_values(drive: Drive, name: str, unknown: str) -> list[float]:
+    """Return the values [SI unit] of a parameter at the :func:`places` of a threshold, none if it is not in it.
+
+    >>> place_values(Drive(), "kinematic_constraint", "mass")
+    [10.106965213139869]
+    """
+    return [float(place.value) for place in places(drive, name, unknown) or []]
 
 
 def _in_order(drive: Drive, unknown: str, found: Iterable[Place]) -> list[Place]:
