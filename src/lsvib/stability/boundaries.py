@@ -21,8 +21,7 @@ from lsvib.models.drive import Drive, may_vanish
 from lsvib.models.mechanics import LinearParts, net_force
 from lsvib.models.model import model_of
 from lsvib.stability import spectrum
-from lsvib.stability.isolation import isolated_roots
-from lsvib.stability.solve import Equations, allowed
+from lsvib.stability.solve import Equations, allowed, isolated_roots
 from lsvib.stability.spectrum import SAME, Polynomial, margins
 
 NAMES = ("onset", "kinematic_constraint", "negative_damping", "flutter")
@@ -161,6 +160,8 @@ class Line:
         self.fixed: dict[str, Any]
         self.tangent: Any
         self.fixed, self.tangent = spectrum.enclosed(drive)[0]
+        if self.fixed["decay"] < spectrum.LEAST:  # which would only part double roots by as little
+            self.fixed["decay"] = fmpq(0)
         self.neutral = spectrum.undamped(drive, unknown)
         self.sense = side if unknown == "input_speed" else 1 if drive.input_speed > 0 else -1
         self.sloped = friction.depends_on_speed(drive) or unknown in friction.OF_SPEED
@@ -168,11 +169,6 @@ class Line:
         if self.searched:
             self.fixed = {key: arb(value) for key, value in drive}
             self.tangent = self.fixed["lead_angle"].tan()
-        elif self.sloped:
-            law = spectrum.sliding_law_values(drive)[0]
-            if law["decay"] < spectrum.LEAST:  # which would only part double roots by as little
-                law["decay"] = fmpq(0)
-            self.fixed = {**self.fixed, **law}
         slide = getattr(drive, "slide_friction", 0.0) or unknown == "slide_friction"
         self.force = RootCondition(_NET_FORCE_OF_SLIDE if slide else _NET_FORCE, net_force)
         self.lowest, self.limit = fmpq(0), self._limit()

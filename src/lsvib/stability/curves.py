@@ -24,6 +24,7 @@ from lsvib.models import friction
 from lsvib.models.drive import Drive, zero_if_close
 from lsvib.models.mechanics import LinearParts, coefficients
 from lsvib.models.model import model_of
+from lsvib.models.thresholds import TABLE
 from lsvib.stability.force_thresholds import threshold_force
 from lsvib.stability.solve import bracketed_root
 from lsvib.stability.spectrum import enclosed, margins, polynomial, sliding_law
@@ -47,10 +48,6 @@ class ChartBoundary(IntEnum):
     FLUTTER = 7
 
 
-_OF_REST = (ChartBoundary.DETACH, ChartBoundary.GLOBAL_STABILITY)
-"""Curves that hold for static friction that is not above that of sliding."""
-_OF_CONSTANT_FRICTION = (*_OF_REST, ChartBoundary.STICK, ChartBoundary.NEGATIVE_DAMPING, ChartBoundary.EVEN_SPEED)
-"""Curves that hold for friction that does not depend on the speed."""
 _FORCES = (ChartBoundary.STICK, ChartBoundary.DETACH, ChartBoundary.GLOBAL_STABILITY)
 AxisSpan = tuple[str, tuple[float, float]]
 PlaneFunction = Callable[[float, float], float]
@@ -64,9 +61,9 @@ def boundary_curves(drive: Drive, x: AxisSpan, y: AxisSpan) -> dict[ChartBoundar
     """
     names, found = (x[0], y[0]), {}
     corners = [drive.replace(**{x[0]: first, y[0]: second}) for first, second in product(x[1], y[1])]
-    moves, rests = ([friction.refusal(corner, rest) for corner in corners] for rest in (False, True))
     for kind in sorted(ChartBoundary[name.upper()] for name in model_of(drive).curves):
-        if (any(moves) and kind in _OF_CONSTANT_FRICTION) or (any(rests) and kind in _OF_REST):
+        holds = TABLE[kind.name.lower()]
+        if holds.constant and any(friction.refusal(corner, holds.rest) for corner in corners):
             continue
         # R̃ is linear in each parameter that it depends on.
         if kind is ChartBoundary.FLUTTER and not any(map(sliding_law, corners)):

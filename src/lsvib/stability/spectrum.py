@@ -170,27 +170,22 @@ def _beside(number: arb, digits: int) -> tuple[fmpq, ...]:
     return tuple((number.mid() * (1 + side * arb(10) ** -digits)).mid().fmpq() for side in (-1, 1))
 
 
-def sliding_law_values(drive: Drive, digits: int = 100) -> tuple[dict[str, fmpq], ...]:
-    """Return ``secant`` and ``decay`` of :func:`lsvib.models.friction.steady_sum` just below and above their values."""
+def enclosed(drive: Drive, digits: int = 100) -> tuple[tuple[dict[str, fmpq], fmpq], ...]:
+    """Return the parameters as rationals and tan λ, twice: all that is no rational just below and above its value.
+
+    That is tan λ, and ``secant`` and ``decay`` of :func:`lsvib.models.friction.steady_sum` beside the parameters.
+    """
+    values = {key: fmpq(*value.as_integer_ratio()) for key, value in drive}
     with ctx.workdps(digits + 10):
-        secant, left = 1 / arb(drive.lead_angle).cos(), arb(1)
+        sine, cosine = arb(drive.lead_angle).sin_cos()
+        secant, left = 1 / cosine, arb(1)
         if drive.stribeck_speed:
             d = SimpleNamespace(stribeck_speed=arb(drive.stribeck_speed), stribeck_exponent=drive.stribeck_exponent)
             left = friction.decay(d, arb(drive.pitch_radius) * abs(arb(drive.input_speed)) * secant)
         # What is left of a rise may have no end of digits; so little of it counts only where nothing else does.
         decays = _beside(left, digits) if left > LEAST else (LEAST**3, LEAST)
-        pairs = zip(_beside(secant, digits), decays, strict=True)
-        return tuple({"secant": secant, "decay": decay} for secant, decay in pairs)
-
-
-def enclosed(drive: Drive, digits: int = 100) -> tuple[tuple[dict[str, fmpq], fmpq], ...]:
-    """Return the parameters as rationals and tan λ, twice: all that is no rational just below and above its value."""
-    values = {key: fmpq(*value.as_integer_ratio()) for key, value in drive}
-    with ctx.workdps(digits + 10):
-        ends = _beside(arb(drive.lead_angle).tan(), digits)
-    if not friction.moves(values):
-        return tuple((values, t) for t in ends)
-    return tuple((values | law, t) for law, t in zip(sliding_law_values(drive, digits), ends, strict=True))
+        ends = zip(_beside(secant, digits), decays, _beside(sine * secant, digits), strict=True)
+        return tuple(({**values, "secant": secant, "decay": decay}, t) for secant, decay, t in ends)
 
 
 def spectrum(drive: Drive, law: int, level: bool = False) -> tuple[str, list[complex], Polynomial]:
