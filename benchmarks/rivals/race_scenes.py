@@ -13,7 +13,7 @@ from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
 from lsvib.models.mechanism import seated_state
 from lsvib.models.model import Model, model_of
-from lsvib.stability.conditions import critical_value
+from lsvib.stability.boundaries import place_values
 from lsvib.stability.force_thresholds import threshold_force
 
 _NEAR = 1e-6  # relative distance of the grazing scenes from their threshold
@@ -75,7 +75,7 @@ def _scenes() -> dict[str, RaceScene]:
     stiff = threads_drive(mass=11, axial_force=100)
     seated = tuple(float(x) for x in seated_state(stiff, 0.005, 0.0))
     light = Drive.of(translation_damping=1e3, axial_force=40)
-    critical = light.replace(mass=critical_value(light, "mass") * (1 - _GAMMA))
+    critical = light.replace(mass=place_values(light, "kinematic_constraint", "mass")[0] * (1 - _GAMMA))
 
     def rigid(name: str, title: str, drive: Drive, start: tuple[float, float], duration: float = 0.5) -> RaceScene:
         return RaceScene(name, title, drive, start, duration, 2e-4)

@@ -12,7 +12,7 @@ from benchmarks.sweeps import cases_four_states
 from benchmarks.sweeps.families import Case, CaseFamily
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
-from lsvib.stability.conditions import critical_value
+from lsvib.stability.boundaries import place_values
 from lsvib.stability.force_thresholds import threshold_force
 
 _MOST_TURNS = 50  # of the fastest oscillation
@@ -65,7 +65,9 @@ def _fastest(drive: Drive) -> float:
 def _critical_mass(rng):
     drive = _some_drive(rng, friction_coefficient=rng.uniform(0.11, 0.5))
     level = rng.uniform(-12, -1)
-    return level, drive.replace(mass=critical_value(drive, "mass") * (1 + sign(rng) * 10.0**level))
+    return level, drive.replace(
+        mass=place_values(drive, "kinematic_constraint", "mass")[0] * (1 + sign(rng) * 10.0**level)
+    )
 
 
 def _friction(rng):

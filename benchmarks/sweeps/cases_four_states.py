@@ -10,7 +10,7 @@ from references.four_states_digits import FourStatesDrive
 
 from benchmarks.sweeps.families import Case, CaseFamily
 from lsvib.models.drive import DRY, Drive
-from lsvib.stability.linear import eigenvalues
+from lsvib.stability.spectrum import eigenvalues
 
 _MOST_TURNS = 6.0  # of the fastest oscillation: bounds the work of the reference
 

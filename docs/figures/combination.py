@@ -11,7 +11,7 @@ from matplotlib.patches import Patch
 
 import lsvib
 from lsvib.figures import style
-from lsvib.stability.linear import eigenvalues
+from lsvib.stability.spectrum import eigenvalues
 
 DRIVE = lsvib.Drive(mass=15, screw_mass=11.6, support_stiffness=1e7, axial_support_damping=200)
 THREADS = {

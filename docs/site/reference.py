@@ -31,7 +31,6 @@ MODULES = {
     "Drives": ["lsvib.models.drive", "lsvib.models.scene", "lsvib.models.chapter", "lsvib.models.model"],
     "Engine": ["lsvib.engine.automaton", "lsvib.engine.motion"],
     "Steady sliding": [
-        "lsvib.stability.linear",
         "lsvib.stability.spectrum",
         "lsvib.stability.conditions",
         "lsvib.stability.threshold",

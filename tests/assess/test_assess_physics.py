@@ -19,9 +19,9 @@ from lsvib.models.mechanics import coefficients, damping_by_slope
 from lsvib.models.mechanism import standing_state
 from lsvib.models.rigid import rigid_automaton
 from lsvib.stability.boundaries import stable_set
-from lsvib.stability.conditions import critical_value, stability
+from lsvib.stability.conditions import stability
 from lsvib.stability.force_thresholds import threshold_force
-from lsvib.stability.linear import eigenvalue_pair
+from lsvib.stability.spectrum import eigenvalue_pair
 
 
 def test_the_chapters_drive_has_the_thresholds_of_the_figures():
@@ -32,7 +32,9 @@ def test_the_chapters_drive_has_the_thresholds_of_the_figures():
     found = margins(Draw.of(given))
     of = {name: {row.quantity: row for row in table} for name, table in found.items()}
     screw = Drive.of({"mass": 1.0, "translation_damping": 1e3, "axial_force": 40.0})
-    assert of["kinematic_constraint"]["mass"].value == pytest.approx(critical_value(screw, "mass"), rel=1e-9)
+    assert of["kinematic_constraint"]["mass"].value == pytest.approx(
+        screw.threshold("kinematic_constraint").value, rel=1e-9
+    )
     assert of["negative_damping"]["force"].value == pytest.approx(-threshold_force(screw, "onset"), rel=1e-12)
     chart = charts(Draw.of(given))[0]
     for label, name in (("standstill", "stick"), ("lose contact", "detach")):

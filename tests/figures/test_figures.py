@@ -21,11 +21,12 @@ from lsvib.dynamics.attractor import Attractor
 from lsvib.figures import style
 from lsvib.figures.configuration import default_figures
 from lsvib.figures.contact_force import ForceOutcome
+from lsvib.figures.fig8_03 import Stability
 from lsvib.figures.limit_process import BranchVerdict
 from lsvib.models.chapter import claims, listed
 from lsvib.models.drive import Drive
 from lsvib.models.names import Event
-from lsvib.stability.linear import Stability, UndampedClass
+from lsvib.stability.spectrum import UndampedClass
 
 NO_GROWTH, GROWTH = (set_to("growth_rate_of_steady_sliding", rate) for rate in (-1.0, 1.0))
 STRAIGHT, TO_ORIGIN = set_to("probe_later_events", 0), set_to("probe_attractor", Attractor.STEADY_SLIDING)

@@ -12,7 +12,7 @@ from lsvib import Drive
 from lsvib.errors import InputError, NoThreshold
 from lsvib.models import friction
 from lsvib.models.pairings import PAIRINGS
-from lsvib.stability import linear
+from lsvib.stability import spectrum
 from lsvib.stability.boundaries import stable_set
 from lsvib.stability.conditions import stability
 from lsvib.stability.curves import ChartBoundary, boundary_curves
@@ -70,16 +70,16 @@ def test_polynomial_in_balls_in_floats_and_of_grids(model):
     rng = np.random.default_rng(2)
     for _ in range(10):
         drive = random_drive(model, rng)
-        law, report = linear.steady_law(drive), stability(drive)
+        law, report = spectrum.steady_law(drive), stability(drive)
         for own in (drive, drive.exact()):
-            found = [float(p) for p in linear.polynomial(own, law)]
+            found = [float(p) for p in spectrum.polynomial(own, law)]
             np.testing.assert_allclose(found, report.characteristic_polynomial, rtol=1e-12)
     # one of the drives without a law, one that is cut off at zero
     changes = {"friction_slope": [0.0, drive.friction_slope, -1e3], "stribeck_rise": [0.0, 0.03, 0.01]}
     law = {"stribeck_speed": 0.1, "stribeck_exponent": 2.0}
-    grid = linear.polynomial({**dict(drive), **law, **{key: np.array(x) for key, x in changes.items()}}, 1)
+    grid = spectrum.polynomial({**dict(drive), **law, **{key: np.array(x) for key, x in changes.items()}}, 1)
     for k in range(3):
-        one = linear.polynomial(drive.replace(**law, **{key: x[k] for key, x in changes.items()}), 1)
+        one = spectrum.polynomial(drive.replace(**law, **{key: x[k] for key, x in changes.items()}), 1)
         found = [np.broadcast_to(p, 3)[k] for p in grid]
         np.testing.assert_allclose(found, [float(p) for p in one], rtol=1e-14)
 
@@ -130,7 +130,7 @@ def judged(model, drive, key, value, stable) -> bool | None:
         other = drive.replace(**{key: value})
     except InputError:
         return None
-    if not linear.sliding_law(other):
+    if not spectrum.sliding_law(other):
         return None
     x = math.tan(value) if key == "lead_angle" else value
     said = any(float(low) < x < float(high) for low, high in stable.intervals)

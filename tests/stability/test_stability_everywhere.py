@@ -3,7 +3,6 @@
 The table of docs/lemmas.md, boundaries to the last digit, and what contradicted itself.
 """
 
-import json
 import math
 import re
 from pathlib import Path
@@ -130,58 +129,29 @@ def onset(model: str, changes, key: str):
     return all_thresholds(DRIVES[model].of(changes), key)["onset"]
 
 
-def assert_boundary(model: str, drive: Drive, key: str, solution) -> None:
-    """Assert that the stability by Newton's laws changes within the enclosure of a solution, of two doubles at most."""
-    low, high = solution.enclosure
-    assert low <= solution.value <= high <= math.nextafter(low, math.inf)
-    with mpmath.workdps(60):
-        away = mpmath.mpf(10) ** -25  # as a boundary may be a double
-        ends = [Named({**dict(drive), key: end}) for end in (low * (1 - away), high * (1 + away))]
-        assert {is_stable(model, end, steady_law(drive)) for end in ends} == {True, False}
-
-
 @pytest.mark.parametrize(("stiffness", "printed"), ROWS)
 def test_table_of_the_least_contact_damping(stiffness, printed):
     changes = {"mass": 9.0, "contact_stiffness": float(stiffness)}
     found = onset("threads", changes, "contact_damping")
     assert f"{found.value:.6g}" == printed
     assert found.stable_intervals == ((found.value, None),)
-    assert_boundary("threads", threads_drive(changes), "contact_damping", found.solutions[0])
+    low, high = found.enclosure
+    assert low <= found.value <= high <= math.nextafter(low, math.inf)
+    with mpmath.workdps(60):
+        away = mpmath.mpf(10) ** -25  # as a boundary may be a double
+        drive = dict(threads_drive(changes))
+        ends = [Named({**drive, "contact_damping": end}) for end in (low * (1 - away), high * (1 + away))]
+        assert [is_stable("threads", end, 1) for end in ends] == [False, True]
 
 
 def test_class_conditions_and_quantities_of_the_soft_contact_agree():
     """m = 9 kg, k_c = 1e8, c_c = 5e4: flutter, though c_c lies above the bound of the limit k_c → ∞."""
-    changes = {"mass": 9.0, "contact_stiffness": 1e8, "contact_damping": 5e4}
-    report = report_of(changes, "threads")
+    report = report_of({"mass": 9.0, "contact_stiffness": 1e8, "contact_damping": 5e4}, "threads")
     assert (report.stable, report.kind) == (False, "flutter")
-    with mpmath.workdps(60):
-        growth = mpmath.re(eigenvalues("threads", threads_drive(changes), 1)[-1])
-    assert report.eigenvalues[-1].real == pytest.approx(float(growth), rel=1e-15)
     assert round(report.eigenvalues[-1].real) == 553
     assert report.conditions["contact_flutter"].hold is True
     assert report.quantities["least_damping_of_stiff_contact"].value < 5e4
     assert report.quantities["least_contact_damping"].value > 5e4
-
-
-BOUNDARIES = [
-    ("threads", {"contact_damping": 5e4}, "mass"),
-    ("threads", {"mass": 9.0, "contact_damping": 5e4}, "friction_coefficient"),
-    ("threads", {"mass": 9.0, "translation_damping": 0.3}, "contact_damping"),
-    ("support", {"axial_support_damping": 20.0}, "mass"),
-    ("support", {"mass": 15.0, "axial_support_damping": 20.0}, "friction_coefficient"),
-    ("support", {"mass": 15.0}, "axial_support_damping"),
-    ("nut", {"translation_damping": 100.0}, "mass"),
-    ("nut", {"translation_damping": 1000.0}, "friction_coefficient"),
-    ("nut", {"support_damping": 1e-5, "translation_damping": 40.0}, "nut_damping"),
-]
-
-
-@pytest.mark.parametrize(("model", "changes", "key"), BOUNDARIES)
-def test_boundaries_to_the_last_digit(model, changes, key):
-    found = onset(model, changes, key)
-    for solution in found.solutions:
-        assert_boundary(model, DRIVES[model].of(changes), key, solution)
-    assert json.dumps(found.to_json(), allow_nan=False)
 
 
 def test_boundaries_of_undamped_drives_are_those_of_real_frequencies():
@@ -190,10 +160,6 @@ def test_boundaries_of_undamped_drives_are_those_of_real_frequencies():
     found = onset("support", undamped, "friction_coefficient")
     assert found.stability == "neutral"
     assert found.solutions[-1].value == pytest.approx(0.2848594241193505, rel=1e-15)
-    report = report_of(undamped, "support")
-    assert (report.stable, report.kind) == (False, "neutral")
-    assert {value.real for value in report.eigenvalues} == {0.0}
-    assert not any(condition.hold for condition in report.conditions.values())
 
 
 def test_a_set_of_several_intervals_is_reported_in_full():
@@ -225,15 +191,29 @@ def test_a_mode_that_no_damping_reaches_is_neutral():
     assert least.reason.endswith("stable without nut damping, but with any above zero, however small.")
 
 
-@pytest.mark.parametrize(
-    ("changes", "kind"),
-    [({}, "centre"), ({"friction_coefficient": math.tan(math.radians(5.57))}, "centre"), ({"mass": 11.0}, "saddle")],
-)
-def test_undamped_rigid_drive(changes, kind):
-    report = report_of({"support_damping": 0.0, **changes})
-    assert (report.kind, report.stable) == (kind, False)
-    assert [x.real for x in report.eigenvalues] == [0.0, 0.0] or kind == "saddle"
-    assert any(condition.hold for condition in report.conditions.values()) is (kind == "saddle")
+KNOWN = [
+    ("rigid", {"support_damping": 0.0}, "centre"),
+    ("rigid", {"support_damping": 0.0, "friction_coefficient": math.tan(math.radians(5.57))}, "centre"),
+    ("rigid", {"support_damping": 0.0, "mass": 11.0}, "saddle"),
+    ("threads", {"mass": 9.0}, "stable"),
+    ("threads", {"mass": 11.0}, "divergence"),
+    ("threads", {"mass": 9.0, "contact_damping": 0.0}, "flutter"),
+    ("support", {"mass": 15.0, "support_damping": 0.0}, "neutral"),
+    ("support", {"mass": 15.0, "support_damping": 0.0, "support_stiffness": 1e7}, "flutter"),
+    ("support", {"mass": 15.0, "support_damping": 0.0, "support_stiffness": 1e9, "friction_coefficient": 0.25},
+     "divergence"),
+    ("support", {"mass": 15.0, "friction_coefficient": 0.3}, "kinematic_constraint"),
+    ("nut", {"mass": 5.0}, "stable"),
+    ("nut", {"mass": 5.1}, "kinematic_constraint"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("model", "changes", "kind"), KNOWN)
+def test_classes_of_known_drives(model, changes, kind):
+    drive, tally = DRIVES[model].of(changes), {}
+    with mpmath.workdps(DIGITS):
+        judge_stability(model, drive, steady_law(drive), tally)
+    assert tally == {kind: 1}
 
 
 @settings(max_examples=200)

@@ -28,8 +28,6 @@ from lsvib.models.mechanism import seated_state
 from lsvib.models.model import automaton_of
 from lsvib.models.names import Event
 from lsvib.models.rigid import MotionMode, rigid_automaton
-from lsvib.stability import boundaries
-from lsvib.stability.conditions import critical_value
 from lsvib.stability.force_thresholds import threshold_force
 from lsvib.stability.threshold import solve_threshold
 
@@ -58,9 +56,9 @@ ASKED = {
     "critical_mass": (Drive(), "kinematic_constraint", "mass"),
     "critical_friction": (support_drive(mass=15.0), "kinematic_constraint", "friction_coefficient"),
 }
-# Sect. 8.5.1: law, value, unit of its last digit.
-DAMPINGS = [(-1, 1.0e-3, 1e-4), (1, -1.1e-4, 1e-5)]  # N m s/rad
-INERTIAS = [(-1, 9.9e-6, 1e-7), (1, 6.5e-7, 1e-8)]  # kg m²
+# Sect. 8.5.1, by the law: value, unit of its last digit.
+DAMPINGS = {-1: (1.0e-3, 1e-4), 1: (-1.1e-4, 1e-5)}  # N m s/rad
+INERTIAS = {-1: (9.9e-6, 1e-7), 1: (6.5e-7, 1e-8)}  # kg m²
 PEAK_FORCE = 320e3  # N, Fig. 8.10b
 
 
@@ -84,28 +82,26 @@ def test_what_the_checks_take_for_printed_is_what_stands_here():
     assert {k: claims[id].value for k, id in chapter.THRESHOLDS.items()} == {k: v for k, (v, _) in PRINTED.items()}
     assert claims["fig8_10.peak_force"].value == PEAK_FORCE
     for kind, table in (("damping", DAMPINGS), ("inertia", INERTIAS)):
-        for law, value, digit in table:
+        for law, (value, digit) in table.items():
             claim = claims[f"fig8_06.{kind}_{'plus' if law > 0 else 'minus'}"]
             assert claim.value == value
             assert claim.tolerance == pytest.approx(0.5 * digit / abs(value), rel=1e-12)
 
 
 @pytest.mark.threshold
-@pytest.mark.parametrize(("law", "printed", "digit"), DAMPINGS)
-def test_effective_damping(law, printed, digit):
-    """Sect. 8.5.1, c_x = 1000 N s/m: C₋ = 1.0e-3 and C₊ = −1.1e-4 N m s/rad."""
-    found = float(coefficients(NEGATIVE_DAMPING).damping[law])
-    assert abs(found - printed) <= 0.5 * digit
-    assert abs(mpf(found) / exact(NEGATIVE_DAMPING).C(law) - 1) <= 1e-15
-
-
-@pytest.mark.threshold
-@pytest.mark.parametrize(("law", "printed", "digit"), INERTIAS)
-def test_effective_inertia(law, printed, digit):
-    """Sect. 8.5.1: Γ₋ = 9.9e-6 and Γ₊ = 6.5e-7 kg m², the values of m = 8 kg; the stated m = 1 kg has others."""
-    found, stated = (float(coefficients(NEGATIVE_DAMPING.replace(mass=m)).gamma[law]) for m in (8.0, 1.0))
-    assert abs(found - printed) <= 0.5 * digit < abs(stated - printed)
-    assert abs(mpf(found) / exact(NEGATIVE_DAMPING, mass=8.0).Gamma(law) - 1) <= 1e-15
+@pytest.mark.parametrize("law", [1, -1])
+def test_effective_damping_and_inertia(law):
+    """Sect. 8.5.1: C and Γ of both laws, Γ those of m = 8 kg; the stated m = 1 kg has others."""
+    heavy = NEGATIVE_DAMPING.replace(mass=8.0)
+    (printed, digit), (of_mass, last) = DAMPINGS[law], INERTIAS[law]
+    found, (gamma, stated) = (
+        coefficients(heavy).damping[law],
+        (coefficients(d).gamma[law] for d in (heavy, NEGATIVE_DAMPING)),
+    )
+    assert abs(float(found) - printed) <= 0.5 * digit
+    assert abs(float(gamma) - of_mass) <= 0.5 * last < abs(float(stated) - of_mass)
+    assert abs(mpf(float(found)) / exact(heavy).C(law) - 1) <= 1e-15
+    assert abs(mpf(float(gamma)) / exact(heavy).Gamma(law) - 1) <= 1e-15
 
 
 @pytest.mark.threshold
@@ -120,10 +116,14 @@ def test_peak_of_the_contact_force(force):
 
 
 def test_effective_inertia_changes_sign_at_the_critical_mass():
-    mass = critical_value(Drive(), "mass")
+    mass = Drive().threshold("kinematic_constraint").value
     assert exact(Drive.of(mass=mass * (1 - 1e-15))).Gamma(1) > 0 > exact(Drive.of(mass=mass * (1 + 1e-15))).Gamma(1)
-    assert critical_value(Drive.of(friction_coefficient=0.05), "mass") is None  # not self-locking
-    assert critical_value(support_drive(mass=1e-6), "friction_coefficient") is None
+    for drive, unknown in (
+        (Drive(friction_coefficient=0.05), "mass"),
+        (support_drive(mass=1e-6), "friction_coefficient"),
+    ):
+        with pytest.raises(lsvib.NoThreshold):  # not self-locking; too light
+            drive.threshold("kinematic_constraint", unknown)
 
 
 @pytest.mark.parametrize("speed", [40.0, -40.0])
@@ -181,36 +181,6 @@ def test_forces_are_those_of_the_functions(sense):
             assert abs(found.value - expected) <= math.ulp(expected)
             low, high = found.enclosure
             assert low <= found.value <= high <= math.nextafter(low, math.inf)
-
-
-def test_critical_values_are_those_of_the_closed_forms():
-    drive, unknown = lsvib.Drive(mass=15), "friction_coefficient"
-    assert drive.threshold("kinematic_constraint").value == critical_value(drive, "mass")
-    assert drive.threshold("kinematic_constraint", unknown).value == critical_value(drive, unknown)
-    assert drive.thresholds(unknown)["kinematic_constraint"].value == critical_value(drive, unknown)
-    support = support_drive(mass=15)
-    assert support.threshold("kinematic_constraint", unknown).value == critical_value(support, unknown)
-
-
-@pytest.mark.parametrize(
-    ("drive", "unknown"),
-    [
-        (threads_drive(contact_damping=5e4), "mass"),
-        (threads_drive(mass=9), "contact_damping"),
-        (support_drive(mass=15, axial_support_damping=10), "friction_coefficient"),
-        (support_drive(mass=15, axial_support_damping=10), "mass"),
-        (nut_drive(translation_damping=100), "mass"),
-        (nut_drive(translation_damping=100), "nut_damping"),
-    ],
-)
-def test_onsets_are_the_ends_of_the_stable_intervals(drive, unknown):
-    found = boundaries.stable_set(drive, unknown)
-    ends = sorted({float(x) for pair in found.intervals for x in pair if 0 < x < found.limit})
-    try:
-        values = [solution.value for solution in drive.threshold("onset", unknown).solutions]
-    except lsvib.NoThreshold:
-        values = []
-    assert ends == values
 
 
 def test_solving_for_a_parameter_gives_back_the_drive():

@@ -14,8 +14,7 @@ import numpy as np
 
 from lsvib.models import mechanics
 from lsvib.models.drive import PARTS
-from lsvib.stability.linear import hurwitz
-from lsvib.stability.spectrum import interlaced, polynomial
+from lsvib.stability.spectrum import hurwitz, interlaced
 
 NAMES = ("negative_damping", "kinematic_constraint", "mode_coupling", "falling_friction", "thread_contact")
 """All mechanisms; mode coupling needs a support, thread contact a compliant contact."""
@@ -136,7 +135,7 @@ def _full_reserve(parameters: Mapping[str, Any], law: Any) -> Any:
     so that it is continuous. Where all odd coefficients vanish, as without damping, it is the balance of p_2² − 4 p_4
     p_0 instead, of higher degrees that of :func:`lsvib.stability.spectrum.interlaced`.
     """
-    p = polynomial(parameters, law, np.tan(parameters["lead_angle"]))
+    p = mechanics.LinearParts.of(parameters, law, np.tan(parameters["lead_angle"])).polynomial()
     undamped, damped = reduce(np.logical_and, [x == 0 for x in p[1::2]]), _of_determinants(p)
     if not np.any(undamped):
         return damped

@@ -12,6 +12,8 @@ from lsvib.datasets.attributes import Variable, variable
 from lsvib.datasets.checks import Check
 from lsvib.figures.settings import FigureSettings, Values
 from lsvib.models.chapter import claims
+from lsvib.models.drive import Drive
+from lsvib.stability.boundaries import stable_set
 
 if TYPE_CHECKING:
     from lsvib.basins.boundary import Basin
@@ -81,6 +83,12 @@ def over_map(dataset: xr.Dataset, drive: Values) -> dict[str, Any]:
     """Return parameters with those of the axes of the map ``stability`` in place, the first down, the second across."""
     down, across = dataset.stability.dims
     return {**drive, down: dataset[down].values[:, None], across: dataset[across].values}
+
+
+def critical_mass_with_contact(drive: Drive) -> float:
+    """Return the mass [kg] at which the contact of a drive loses its stability, all below it stable; NaN if at none."""
+    found = stable_set(drive, "mass")
+    return float(found.intervals[0][1]) if found and found.changes and found.intervals else np.nan
 
 
 def spread(values: np.ndarray) -> float:

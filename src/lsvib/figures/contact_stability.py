@@ -12,13 +12,13 @@ from lsvib.datasets.checks import Check
 from lsvib.errors import InputError
 from lsvib.figures import settings as of
 from lsvib.figures import style
-from lsvib.figures.common import CRITICAL_MASS_WITH_CONTACT, about
+from lsvib.figures.common import CRITICAL_MASS_WITH_CONTACT, about, critical_mass_with_contact
 from lsvib.models import chapter
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
-from lsvib.stability import conditions
-from lsvib.stability.boundaries import stable_set
-from lsvib.stability.linear import eigenvalues, polynomial, routh_hurwitz
+from lsvib.stability.boundaries import place_values, stable_set
+from lsvib.stability.conditions import least_damping_of_stiff_contact, unstable_contact_stiffness
+from lsvib.stability.spectrum import eigenvalues, margins, polynomial
 
 CAPTION = """\
 Steady sliding with compliant threads (drive of Table 8.1, force with the motion; contacts assumed): (a) the mass at
@@ -28,6 +28,7 @@ growth rate above the critical mass of the rigid drive, unstable beyond the dott
 dampings at which it is stable, which for soft contacts are two intervals. See docs/lemmas.md.
 """
 
+_LARGEST_MASS = 1e9  # kg, the end of the range of the mass
 _NEAR = 1e-6  # relative distance from a critical mass at which LAPACK must see the change
 _BESIDE = np.array([1 - _NEAR, 1 + _NEAR])
 _COLOURS = (style.VERMILION, style.ORANGE, style.BLUE, style.BLACK, style.GREEN, style.PURPLE)
@@ -51,13 +52,13 @@ class Settings(of.DriveFigure):
 def build(settings: of.Values) -> xr.Dataset:
     """Compute critical masses over the contact, and growth rates over its stiffness; c_x = 0, R Ω > 0."""
     drive = Drive.of(chapter.PARTS["threads"] | settings["drive"])
-    rigid, (heavy, light) = conditions.critical_value(drive, "mass"), settings["masses"]
-    if rigid is None or not light < rigid < heavy:
+    rigid, (heavy, light) = [*place_values(drive, "kinematic_constraint", "mass"), 0.0][0], settings["masses"]
+    if not light < rigid < heavy:
         raise InputError(f"masses = {[heavy, light]} do not lie above and below the critical mass of the rigid drive.")
     along, stiffness = (spans.logarithmic(settings[name]) for name in ("contact_damping", "stiffness"))
     curves, dampings = np.array(settings["stiffnesses"], float), np.array(settings["dampings"], float)
     contacts = [drive.replace(**contact) for contact in settings["contacts"]]
-    critical = [conditions.critical_mass_of_contact(d) for d in contacts]
+    critical = [critical_mass_with_contact(d) for d in contacts]
     return xr.Dataset(
         _curves(drive, curves, along)
         | {"critical_mass_with_contact": variable("contact", critical, *CRITICAL_MASS_WITH_CONTACT)}
@@ -91,10 +92,10 @@ def build(settings: of.Values) -> xr.Dataset:
 def _curves(drive: Drive, curves: np.ndarray, along: np.ndarray) -> Variables:
     """Masses between which steady sliding is stable, over contact stiffness k_c [N/m] and damping c_c [N s/m]."""
     contacts = [[drive.replace(contact_stiffness=float(k), contact_damping=float(c)) for c in along] for k in curves]
-    found = [[conditions.stable_masses(contact) for contact in row] for row in contacts]
-    grid = np.array([[intervals[0][1] if intervals else np.nan for intervals in row] for row in found])
-    again = np.array([[intervals[1][0] if len(intervals) > 1 else np.nan for intervals in row] for row in found])
-    dims, whole = ("curve_contact_stiffness", "curve_contact_damping"), grid >= conditions.LARGEST_MASS
+    found = [[stable_set(contact, "mass").intervals for contact in row] for row in contacts]
+    grid = np.array([[float(stable[0][1]) if stable else np.nan for stable in row] for row in found])
+    again = np.array([[float(stable[1][0]) if len(stable) > 1 else np.nan for stable in row] for row in found])
+    dims, whole = ("curve_contact_stiffness", "curve_contact_damping"), grid >= _LARGEST_MASS
     words, lost = "mass from which on steady sliding is stable again, missing if from none", ~whole & np.isfinite(grid)
     return {
         "curve_critical_mass_with_contact": variable(dims, np.where(lost, grid, np.nan), *CRITICAL_MASS_WITH_CONTACT),
@@ -110,7 +111,7 @@ def _growth_rates(drive: Drive, heavy: float, light: float, dampings: np.ndarray
     stable = [stable_set(drive.replace(mass=light, contact_stiffness=k), "contact_damping") for k in stiffness]
     dampings_of = [[(float(a), float(b)) for a, b in found.intervals] for found in stable]
     window = np.array([row[0] if len(row) > 1 else (np.nan, np.nan) for row in dampings_of])
-    above = [conditions.unstable_contact_stiffness(d) for d in drives[0]]
+    above = [unstable_contact_stiffness(d) for d in drives[0]]
     damping, stiff = "growth_contact_damping", "growth_contact_stiffness"
     largest, proved = "largest real part of the eigenvalues", "contact stiffness beyond which Lemma 8.1 is proved"
     enough = "contact damping above which the smaller mass is stable for all"
@@ -129,7 +130,7 @@ def _limits(drive: Drive, heavy: float, light: float) -> Variables:
     beta = float(np.cos(drive.lead_angle) ** 2 * (1 + drive.friction_coefficient * np.tan(drive.lead_angle)))
     lever = beta * abs(gamma[heavy]) / (drive.screw_inertia * heavy)
     elastic = drive.support_damping / 2 * (1 / gamma[light] - 1 / drive.screw_inertia)
-    least = conditions.least_damping_of_stiff_contact(drive.replace(mass=light))
+    least = least_damping_of_stiff_contact(drive.replace(mass=light))
     limit = "its limit for a stiff contact"
     words = "limit of the growth rate of the smaller mass for a stiff elastic contact"
     scale = "beta |Gamma_0| / (I m) of the larger mass, to which its growth rates are scaled"
@@ -146,7 +147,8 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     for one in dataset.growth_rate.stack(contact=dataset.growth_rate.dims).transpose("contact"):
         m, c, k = one.contact.item()
         contact = Drive.of(drive, mass=m, contact_damping=c, contact_stiffness=k)
-        wrong += routh_hurwitz(polynomial(contact.exact(), law=1)) != bool(one < 0)
+        stable = all(x > 0 for x in margins(polynomial(contact.exact(), law=1), neutral=False))
+        wrong += stable != bool(one < 0)
     return [
         *_critical_mass_checks(dataset, drive),
         *_lemma_checks(dataset, drive),

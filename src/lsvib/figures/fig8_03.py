@@ -1,5 +1,6 @@
 """Figure 8.3: stability of the steady sliding over effective inertia and damping, by eigenvalues (8.18)."""
 
+from enum import IntEnum
 from itertools import combinations, product
 from types import SimpleNamespace
 
@@ -16,7 +17,7 @@ from lsvib.figures.contact_force import Existence, existence
 from lsvib.figures.settings import DriveChanges, DriveFigure, Span, Values, several
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
-from lsvib.stability.linear import Stability, eigenvalue_pair, stability_class
+from lsvib.stability.spectrum import eigenvalue_pair
 
 CAPTION = """\
 Stability of the steady sliding over effective inertia and effective damping, from the eigenvalues (8.18) at each point
@@ -34,6 +35,18 @@ _COLOURS = {  # stable classes in blues and greens, unstable ones in warm colour
 _DRIVES = (style.BLUE, style.VERMILION, style.BLACK, style.PURPLE, style.WINE)
 
 
+class Stability(IntEnum):
+    """Classes by the eigenvalues."""
+
+    STABLE_NODE = 0
+    STABLE_FOCUS = 1
+    CENTRE = 2
+    UNSTABLE_FOCUS = 3
+    UNSTABLE_NODE = 4
+    SADDLE = 5
+    DEGENERATE = 6
+
+
 class Settings(DriveFigure):
     unused = ("mass", "translation_damping")
 
@@ -47,7 +60,7 @@ def build(settings: Values) -> xr.Dataset:
     drive = Drive.of(settings["drive"])
     stiffness = drive.coupling_stiffness
     inertia, damping = spans.even(settings["inertia"]), spans.even(settings["damping"])
-    kinds, plane = stability_class(inertia[:, None], damping, stiffness), ("effective_inertia", "effective_damping")
+    kinds, plane = _classes(inertia[:, None], damping, stiffness), ("effective_inertia", "effective_damping")
     positive = inertia[-1] * np.linspace(0, 1, inertia.size)[1:] ** 2  # dense near the vertex of the parabola
     met = _node_focus_boundary(positive, stiffness)
     along, words = "node_focus_effective_inertia", "effective damping where two eigenvalues meet"
@@ -69,6 +82,21 @@ def build(settings: Values) -> xr.Dataset:
         },
         attrs=about(__doc__, "eigenvalues in closed form (8.18)", "Sect. 8.4, Fig. 8.3"),
     )
+
+
+def _classes(inertia: np.ndarray, damping: np.ndarray, stiffness: float) -> np.ndarray:
+    """Class (:class:`Stability`) by the eigenvalues (8.18); a pair that coincides is a node, Γ_0 = 0 degenerate."""
+    low, high = np.moveaxis(eigenvalue_pair(inertia, damping, stiffness), -1, 0)
+    oscillates = high.imag != 0
+    first_of = {
+        Stability.DEGENERATE: np.isnan(high.real),
+        Stability.STABLE_FOCUS: oscillates & (high.real < 0),
+        Stability.UNSTABLE_FOCUS: oscillates & (high.real > 0),
+        Stability.CENTRE: oscillates,
+        Stability.STABLE_NODE: high.real < 0,
+        Stability.UNSTABLE_NODE: low.real > 0,
+    }
+    return np.select([*first_of.values()], [*first_of], Stability.SADDLE).astype(np.int8)
 
 
 def _many_drives(drive: Drive) -> Variables:

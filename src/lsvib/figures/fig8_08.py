@@ -18,7 +18,7 @@ from lsvib.models import chapter
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
 from lsvib.numbers import bisected
-from lsvib.stability.linear import eigenvalue_pair
+from lsvib.stability.spectrum import eigenvalue_pair
 
 CAPTION = """\
 Eigenvalues (8.18) of the steady sliding against the translating mass: (a) real and (b) imaginary parts, and, not in the

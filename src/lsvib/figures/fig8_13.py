@@ -12,14 +12,13 @@ from lsvib.datasets.attributes import Variables, drive_parameters, start_state, 
 from lsvib.datasets.checks import Check
 from lsvib.errors import InputError
 from lsvib.figures import drawing, style
-from lsvib.figures.common import CRITICAL_MASS_WITH_CONTACT, SteadyState, about, named
+from lsvib.figures.common import CRITICAL_MASS_WITH_CONTACT, SteadyState, about, critical_mass_with_contact, named
 from lsvib.figures.fig8_10 import compliant_cycle, cycle_curves, cycle_motion
 from lsvib.figures.settings import Contact, DriveFigure, PositiveSpan, Samples, State, Values, several
 from lsvib.models import chapter
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
 from lsvib.numbers import bisected
-from lsvib.stability.conditions import critical_mass_of_contact
 
 CAPTION = """\
 Softer contacts (assumed values): (a) cycles, (b) coupling deflection; not in the chapter, (c) its largest value over
@@ -57,7 +56,7 @@ def build(settings: Values) -> xr.Dataset:
     stiffness, damping = (spans.logarithmic(settings[key]) for key in _CONTACT)
     contacts = [drive.replace(**contact) for contact in settings["contacts"]]
     cycles = [compliant_cycle(contact, start) for contact in contacts]
-    steady, critical = float(coefficients(drive).deflection), [critical_mass_of_contact(c) for c in contacts]
+    steady, critical = float(coefficients(drive).deflection), [critical_mass_with_contact(c) for c in contacts]
     return xr.Dataset(
         cycle_curves(("contact",), cycles, settings["samples"])
         | cycle_curves((), [phase_plane.reached(drive, start)], settings["samples"], "rigid_cycle")

@@ -1,5 +1,8 @@
 """Figure 8.15: instability regions of the drive with axial support over friction coefficient and support stiffness."""
 
+import math
+from types import SimpleNamespace
+
 import numpy as np
 import xarray as xr
 from pydantic import Field
@@ -8,13 +11,15 @@ from lsvib.datasets import newton, spans
 from lsvib.datasets.analysis import analyse, value
 from lsvib.datasets.attributes import drive_parameters, flagged, variable, varied
 from lsvib.datasets.checks import Check
-from lsvib.figures import drawing, style
+from lsvib.figures import drawing, printed_laws, style
 from lsvib.figures.common import about, named, over_map, printed, thinned
 from lsvib.figures.settings import DriveFigure, PositiveSpan, Span, Values, parameter
 from lsvib.models import chapter
 from lsvib.models.drive import PART_OF, Drive
-from lsvib.stability import conditions
-from lsvib.stability.linear import UndampedClass, eigenvalues, undamped_class, values_of
+from lsvib.models.mechanics import effective_inertia, together
+from lsvib.numbers import bisected
+from lsvib.stability.boundaries import place_values
+from lsvib.stability.spectrum import UndampedClass, eigenvalues, reciprocal_squares, undamped_class
 
 CAPTION = """\
 Stability of the undamped drive with axial support, R Ω > 0, over friction coefficient and support stiffness, by the
@@ -65,10 +70,11 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
     curve = np.unique(np.concatenate([crowded, friction[(friction > start) & (friction < critical)]]))
     grid = {**dict(drive), "friction_coefficient": friction[:, None], "support_stiffness": stiffness}
     kinds, plane = undamped_class(grid, law=1), ("friction_coefficient", "support_stiffness")
-    branches = conditions.flutter_boundaries({**dict(drive), "friction_coefficient": curve}, law=1)
+    branches = _branches(_printed({**dict(drive), "friction_coefficient": curve}))
     along, word = "boundary_friction_coefficient", "critical friction coefficient"
     passing = "friction coefficient where an eigenvalue 1/omega^2 passes through zero"
-    by_eigenvalues = conditions.critical_friction_by_eigenvalues(drive)
+    largest = math.nextafter(1 / math.tan(drive.lead_angle), 0)
+    by_eigenvalues = bisected(lambda mu: _turned(drive, mu), 0.0, largest) if _turned(drive, largest) else None
     return xr.Dataset(
         {
             "stability": flagged(plane, kinds, "class of the steady sliding", UndampedClass),
@@ -97,21 +103,66 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
     )
 
 
+def _turned(drive: Drive, coefficient: float) -> bool:
+    """Whether one 1/ω² of (8.23) under law + is negative: it has a simple root where ω² has a pole."""
+    squares = reciprocal_squares({**dict(drive), "friction_coefficient": coefficient}, law=1)
+    return bool(np.prod(np.sign(squares.real)) < 0)
+
+
+def _printed(values: Values, law: int = 1) -> SimpleNamespace:
+    """Parameters and what is printed of them: b_1, b_2, b_3 of (8.29), and inertias.
+
+    ``total`` S = m + m_1, ``lever`` χ = ξ_s r_m² tan λ, ``inertia`` Γ_0 = I − m χ of the drive with a rigid support,
+    ``reduced`` Γ̃_0 = I − m̃ χ (8.28).
+    """
+    p = SimpleNamespace(**{name: np.asarray(value, dtype=float) for name, value in values.items()})
+    geometry = p.pitch_radius, np.tan(p.lead_angle), printed_laws.factor(p, law)
+    p.total, p.lever = p.mass + p.screw_mass, geometry[2] * geometry[0] ** 2 * geometry[1]
+    p.inertia = effective_inertia(p.screw_inertia, p.mass, *geometry)
+    p.reduced = effective_inertia(p.screw_inertia, together(p.mass, p.screw_mass), *geometry)
+    turned = geometry[2] * p.mass * geometry[0] ** 2 * geometry[1]
+    p.b_1, p.b_3 = (p.screw_inertia - turned) ** 2, p.total**2
+    p.b_2 = 2 * (p.screw_mass * (turned - p.screw_inertia) - p.mass * (turned + p.screw_inertia))
+    return p
+
+
+def _branches(p: SimpleNamespace) -> np.ndarray:
+    """Support stiffness k_1 [N/m] on both branches of the flutter boundary (8.29), the lower one first, last axis.
+
+    With A² = S Γ̃_0 and B² = m² χ the coefficients of (8.29) are −b_2 = 2 (A² + B²), b_2² − 4 b_1 b_3 = 16 A² B² and
+    S Γ_0 = A² − B², so the branches are perfect squares,
+
+        k_1 = k [S / (A + B)]²   and   k_1 = k [(A + B) / Γ_0]²,
+
+    without any subtraction but that inside Γ_0 and Γ̃_0. They are real and positive exactly if ξ_0 ≥ 0 and Γ̃_0 ≥ 0
+    (8.32), NaN elsewhere; the upper one is infinite where Γ_0 = 0. They meet at μ = tan λ in k_1 = k S / I and on the
+    kinematic constraint Γ̃_0 = 0 in k_1 = k S² m̃ / (m² I).
+    """
+    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+        both = np.sqrt(p.total * p.reduced) + p.mass * np.sqrt(p.lever)
+        return np.stack([p.coupling_stiffness * x**2 for x in (p.total / both, both / p.inertia)], axis=-1)
+
+
 def checks(dataset: xr.Dataset) -> list[Check]:
     """Check the critical friction, the boundaries, and the classes by it, by the printed conditions and by LAPACK.
 
     Classes but for rounding (``clear``), which may decide closer to a boundary.
     """
     drive, critical = newton.parameters(dataset), float(dataset.critical_friction)
-    grid = over_map(dataset, drive)
-    a_4, a_2, a_0 = conditions.characteristic_polynomial(grid, law=1)
-    discriminant, size = a_2**2 - 4 * a_0 * a_4, a_2**2 + 4 * a_0 * np.abs(a_4)
-    inertia = drive["screw_inertia"] * (drive["mass"] + drive["screw_mass"])
-    clear = (np.abs(discriminant) > 1e-9 * size) & (np.abs(a_4) > 1e-9 * inertia)
+    p = _printed(over_map(dataset, drive))
+    p.a_4 = p.screw_inertia * p.total - p.mass * p.screw_mass * p.lever  # of ω⁴, as printed below (8.23)
+    p.a_2 = -p.coupling_stiffness * p.total - p.support_stiffness * (p.screw_inertia - p.lever * p.mass)
+    p.a_0 = p.coupling_stiffness * p.support_stiffness
+    p.discriminant, size = p.a_2**2 - 4 * p.a_0 * p.a_4, p.a_2**2 + 4 * p.a_0 * np.abs(p.a_4)
+    clear = (np.abs(p.discriminant) > 1e-9 * size) & (np.abs(p.a_4) > 1e-9 * p.screw_inertia * p.total)
     dataset = dataset.assign(clear=(dataset.stability.dims, clear))
     kinematic, part = named(dataset.stability, "kinematic constraint"), thinned(dataset, 100)
     off = kinematic != (dataset.friction_coefficient.values > critical)[:, None]
-    wrong = int(np.sum(clear & (conditions.printed_class(grid, law=1) != dataset.stability.values)))
+    # By (8.24) to (8.26); flutter where the last two hold.
+    holds = np.broadcast_arrays(p.a_4 < 0, p.discriminant < 0, (p.a_4 > 0) & (p.a_2 > 0))
+    printed_kinds = [UndampedClass.KINEMATIC_CONSTRAINT, UndampedClass.FLUTTER, UndampedClass.DIVERGENCE]
+    by_print = np.select(holds, printed_kinds, UndampedClass.STABLE)
+    wrong = int(np.sum(clear & (by_print != dataset.stability.values)))
     theirs = eigenvalues(over_map(part, drive), law=1)
     limit = 1e-7 * np.abs(theirs).max(axis=-1)  # LAPACK keeps 1.5e-8 where two coincide
     growing, oscillates = (theirs.real > limit[..., None]).sum(axis=-1), np.abs(theirs[..., -1].imag) > limit
@@ -124,42 +175,38 @@ def checks(dataset: xr.Dataset) -> list[Check]:
         Check.that("fig8_15.vertical", not off.any() and kinematic.any(), off=off),
         Check.that("fig8_15.classes", wrong == 0 and clear.mean() > 0.99, wrong=wrong, **counts),
         Check.without_exception("fig8_15.lapack", differ.sum(), part.clear.sum()),
-        *_boundary_checks(dataset, drive, a_4, discriminant),
+        *_boundary_checks(dataset, drive, p),
         *_support_checks(dataset, drive),
     ]
 
 
-def _boundary_checks(dataset: xr.Dataset, drive: Values, a_4: np.ndarray, discriminant: np.ndarray) -> list[Check]:
+def _boundary_checks(dataset: xr.Dataset, drive: Values, p: SimpleNamespace) -> list[Check]:
     """Check that no point is in two regions, their bounds, and both branches against (8.29) and where they exist.
 
-    By the signs of a_4 and the ``discriminant`` of (8.24).
+    By the signs of a_4 and the discriminant of (8.24).
     """
     flutter, kinematic, divergence = (
         named(dataset.stability, x) for x in ("flutter", "kinematic constraint", "divergence")
     )
-    both = int(np.sum((discriminant < 0) & kinematic) + np.sum((a_4 < 0) & flutter))
+    both = int(np.sum((p.discriminant < 0) & kinematic) + np.sum((p.a_4 < 0) & flutter))
     friction, k = dataset.friction_coefficient.values, drive["coupling_stiffness"]
     ends = [dataset[f"{name}_boundary"] for name in ("lower", "upper")]
     lower, upper = (end.reindex(boundary_friction_coefficient=friction).values[:, None] for end in ends)
-    stiffness, rigid = dataset.support_stiffness.values, {"law": 1, "rigid": True}
-    beyond = (stiffness > upper) & (conditions.effective_inertia(over_map(dataset, drive), **rigid) < 0)
+    stiffness = dataset.support_stiffness.values
+    beyond = (stiffness > upper) & (p.inertia < 0)
     judged = dataset.clear.values & ~kinematic
     off = judged & ((flutter != ((stiffness > lower) & (stiffness < upper))) | (divergence != beyond))
     apart = both == 0 and flutter.any() and kinematic.any()
-    own = {**drive, "friction_coefficient": dataset.boundary_friction_coefficient.values}
     branches = [end.values for end in ends]
-    b_1, b_2, b_3 = conditions.boundary_coefficients(own, law=1)
-    terms = [np.array([b_1 * x**2, b_2 * k * x, b_3 * k**2 * np.ones_like(x)]) for x in branches]
+    p = _printed({**drive, "friction_coefficient": dataset.boundary_friction_coefficient.values})
+    terms = [np.array([p.b_1 * x**2, p.b_2 * k * x, p.b_3 * k**2 * np.ones_like(x)]) for x in branches]
     residual = max(np.max(np.abs(term.sum(axis=0)) / np.abs(term).max(axis=0)) for term in terms)
     finite = np.isfinite(branches[0]) & ~np.isnan(branches[1])
-    own["friction_coefficient"] = friction
-    b_1, b_2, b_3 = conditions.boundary_coefficients(own, law=1)
-    p, reduced = values_of(own, law=1), conditions.effective_inertia(own, law=1)
-    roots = b_2**2 - 4 * b_1 * b_3
-    form = 16 * p.factor * p.pitch_radius**2 * p.tan_lead * p.mass**2 * (p.mass + p.screw_mass) * reduced
-    rewritten = np.max(np.abs(roots - form) / b_2**2)
-    clear = np.abs(roots) > 1e-9 * b_2**2  # else (8.30) is zero to rounding
-    odd = clear & (((roots >= 0) & (b_2 < 0)) != ((reduced >= 0) & (p.factor > 0)))
+    p = _printed({**drive, "friction_coefficient": friction})
+    roots = p.b_2**2 - 4 * p.b_1 * p.b_3
+    rewritten = np.max(np.abs(roots - 16 * p.lever * p.mass**2 * p.total * p.reduced) / p.b_2**2)
+    clear = np.abs(roots) > 1e-9 * p.b_2**2  # else (8.30) is zero to rounding
+    odd = clear & (((roots >= 0) & (p.b_2 < 0)) != ((p.reduced >= 0) & (p.lever > 0)))
     real = not odd.any() and finite.all() and rewritten < 1e-12
     return [
         Check.that("fig8_15.apart", apart, both=both, flutter=flutter, kinematic=kinematic),
@@ -181,20 +228,25 @@ def _support_checks(dataset: xr.Dataset, drive: Values) -> list[Check]:
         push, friction = np.cos(drive["lead_angle"]), law * own["friction_coefficient"]
         turn = r**2 * tan * (friction - tan) * push / drive["screw_inertia"]
         solves[law] = push * (1 + friction * tan) * (1 / drive["mass"] + 1 / drive["screw_mass"]) - turn
-    paradox, inertia = solves[1] * solves[-1] < 0, conditions.effective_inertia(own, law=1, rigid=True)
+    paradox, inertia = solves[1] * solves[-1] < 0, _printed(own).inertia
     kinematic = named(dataset.stability, "kinematic constraint")
     stiffness = -drive["coupling_stiffness"] * (drive["mass"] + drive["screw_mass"]) / inertia
     there = (inertia < 0) & ~paradox  # k_1 > 0 with a_2 = 0
     kinds = undamped_class({**own, "support_stiffness": np.where(there, stiffness, 1.0)}, law=1)
     early = kinematic[own["friction_coefficient"] <= tan]
-    against = min(np.min(conditions.effective_inertia(own, law=-1, rigid=rigid)) for rigid in (True, False))
+    minus = _printed(own, law=-1)
+    against = np.min(np.concatenate([minus.inertia, minus.reduced]))
     necessary = not early.any() and against >= drive["screw_inertia"]
     reduced_mass = drive["mass"] * drive["screw_mass"] / (drive["mass"] + drive["screw_mass"])
     rigid = {name: value for name, value in drive.items() if name not in PART_OF}
     locked = Drive.of(rigid, friction_coefficient=float(dataset.critical_friction))
     return [
         Check.that("fig8_15.necessary", necessary, early=early, against=against),
-        Check.of("fig8_15.reduced_mass", conditions.critical_value(locked, "mass") or np.nan, expected=reduced_mass),
+        Check.of(
+            "fig8_15.reduced_mass",
+            [*place_values(locked, "kinematic_constraint", "mass"), np.nan][0],
+            expected=reduced_mass,
+        ),
         Check.everywhere("fig8_15.paradoxes", kinematic == paradox[:, None], "points"),
         Check.everywhere("fig8_15.flutter", kinds[there] == UndampedClass.FLUTTER, "friction coefficients"),
     ]

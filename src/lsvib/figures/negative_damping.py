@@ -14,7 +14,7 @@ from lsvib.figures.settings import PhasePlane, Values
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
 from lsvib.stability.conditions import conditions
-from lsvib.stability.linear import eigenvalue_pair
+from lsvib.stability.spectrum import eigenvalue_pair
 
 _MARGINS = {  # the inequalities of (8.19): unit and wording; each holds where its margin is positive
     "self_locking": ("1", "margin of self-locking, mu - tan(lambda)"),

@@ -13,10 +13,10 @@ from lsvib.figures.common import about, named, over_map, thinned
 from lsvib.figures.settings import DriveFigure, PositiveSpan, Span, Values
 from lsvib.models import chapter
 from lsvib.models.drive import Drive
-from lsvib.models.mechanics import coefficients
+from lsvib.models.mechanics import coefficients, effective_inertia, together
 from lsvib.numbers import bisected
-from lsvib.stability.conditions import critical_value, effective_inertia, screw_inertia
-from lsvib.stability.linear import UndampedClass, eigenvalues, polynomial, reciprocal_squares, undamped_class
+from lsvib.stability.boundaries import place_values
+from lsvib.stability.spectrum import UndampedClass, eigenvalues, polynomial, reciprocal_squares, undamped_class
 
 CAPTION = """\
 Steady sliding with a rotating nut (drive of Table 8.1, force with the motion; mass and nut assumed): (a) the critical
@@ -38,14 +38,15 @@ class Settings(DriveFigure):
 def build(settings: Values) -> xr.Dataset:
     """Compute the critical mass over the nut's inertia, in closed form and by eigenvalues, and the classes; c_x = 0."""
     drive = Drive.of(chapter.PARTS["nut"] | settings["drive"])
-    rigid = critical_value(drive.replace(**dict.fromkeys(chapter.PARTS["nut"])), "mass")
     inertia = spans.logarithmic(settings["nut_inertia"])
-    if rigid is None:
+    without = drive.replace(**dict.fromkeys(chapter.PARTS["nut"]))
+    nuts = [drive.replace(nut_inertia=float(value)) for value in inertia]
+    masses = [place_values(one, "kinematic_constraint", "mass") for one in (without, *nuts)]
+    if not all(masses):
         raise InputError("The drive is not self-locking (mu <= tan lambda), so it has no critical mass.")
+    rigid, *closed = (least for least, *_ in masses)
     friction = spans.even(settings["friction_coefficient"])
     drive.replace(friction_coefficient=float(friction.max()))  # refuses what is beyond cot λ
-    nuts = [drive.replace(nut_inertia=float(value)) for value in inertia]
-    closed = [critical_value(nut, "mass") for nut in nuts]
     # Where the product of both 1/ω² changes its sign, between zero and the rigid one.
     passing = [bisected(lambda m, nut=dict(nut): _passed(nut | {"mass": m}), 0.0, rigid) for nut in nuts]
     by = "critical mass, where an eigenvalue 1/omega^2 passes through zero"
@@ -89,10 +90,17 @@ def _passed(drive: Values) -> bool:
     return not np.prod(np.sign(reciprocal_squares(drive, law=1).real)) > 0
 
 
+def _reduced(p: Values) -> tuple[np.ndarray, np.ndarray]:
+    """Of drives with a nut, I_eff = I I_2 / (I + I_2) and Γ_0 of law + with it, negative where (8.33) holds [kg m²]."""
+    tangent, mu = np.tan(p["lead_angle"]), p["friction_coefficient"]
+    screw, factor = together(p["screw_inertia"], p["nut_inertia"]), (mu - tangent) / (1 + mu * tangent)
+    return screw, effective_inertia(screw, p["mass"], p["pitch_radius"], tangent, factor)
+
+
 def _boundary_friction(drive: Drive, inertia: np.ndarray) -> np.ndarray:
     """μ = (ξ + tan λ) / (1 − ξ tan λ) with ξ = I_eff / (tan λ m r_m²), where I_eff = q; NaN if not below cot λ."""
     tangent = np.tan(drive.lead_angle)
-    xi = screw_inertia({**dict(drive), "nut_inertia": inertia}) / (tangent * drive.mass * drive.pitch_radius**2)
+    xi = together(drive.screw_inertia, inertia) / (tangent * drive.mass * drive.pitch_radius**2)
     below = (xi * tangent < 1) & ((xi + tangent) * tangent < 1 - xi * tangent)
     with np.errstate(divide="ignore"):
         return np.where(below, (xi + tangent) / (1 - xi * tangent), np.nan)
@@ -128,8 +136,8 @@ def checks(dataset: xr.Dataset) -> list[Check]:
 def _class_checks(dataset: xr.Dataset, drive: Values) -> list[Check]:
     """Check the classes by (8.33), its boundary in closed form, the printed inertia matrix and LAPACK with damping."""
     grid = over_map(dataset, drive)
-    reduced = effective_inertia(grid, law=1)
-    clear = np.abs(reduced) > 1e-9 * screw_inertia(grid)  # closer to (8.33) rounding may decide
+    screw, reduced = _reduced(grid)
+    clear = np.abs(reduced) > 1e-9 * screw  # closer to (8.33) rounding may decide
     kinematic, other = (named(dataset.stability, *x) for x in (["kinematic constraint"], ["flutter", "divergence"]))
     part = thinned(dataset.assign(clear=(dataset.stability.dims, clear)), 40)
     wrong = int(np.sum(clear & (kinematic != (reduced < 0))))
@@ -139,7 +147,8 @@ def _class_checks(dataset: xr.Dataset, drive: Values) -> list[Check]:
     edge, friction = dataset.critical_friction_with_nut.values, dataset.friction_coefficient.values[:, None]
     off = np.sum(clear & (kinematic != (friction > edge)))  # no edge: none
     on_edge = {**drive, "friction_coefficient": edge, "nut_inertia": dataset.nut_inertia.values}
-    left = float(np.nanmax(np.abs(effective_inertia(on_edge, law=1)) / screw_inertia(on_edge)))
+    screw, reduced = _reduced(on_edge)
+    left = float(np.nanmax(np.abs(reduced) / screw))
     holds = wrong == 0 and 0 < kinematic.sum() < kinematic.size
     return [
         Check.that("nut_stability.classes", holds, wrong=wrong, clear=clear, kinematic=kinematic),

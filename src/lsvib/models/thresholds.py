@@ -13,19 +13,22 @@ class Known:
 
     ``usual``: the parameter that it is solved for by default, empty for the axial force, of drives with parts the mass;
     ``rigid``: whether only rigid drives have it, or only others, or (None) all; ``drawn``: whether charts of rigid
-    drives have it as a curve.
+    drives have it as a curve. ``constant``: whether its closed form holds only for friction that does not depend on the
+    speed, and ``rest``, only for static friction that is not above that of sliding.
     """
 
     statement: str
     usual: str = ""
     rigid: bool | None = None
     drawn: bool = False
+    constant: bool = False
+    rest: bool = False
 
 
 TABLE = {
     "even_speed": Known(
         "On one side of it the motion from rest, as the motor is switched on, ends in steady sliding, on the other it "
-        "does not.", "input_speed", drawn=True,
+        "does not.", "input_speed", drawn=True, constant=True,
     ),
     "onset": Known("Steady sliding attracts what is near on one side of it and repels it on the other.", drawn=True),
     "kinematic_constraint": Known(
@@ -34,28 +37,32 @@ TABLE = {
     ),
     "flutter": Known("On one side of it a pair of eigenvalues grows, while all others decay.", "mass", rigid=False),
     "negative_damping": Known(
-        "Slip under law + grows where the effective damping is negative.", "support_damping", rigid=True, drawn=True
+        "Slip under law + grows where the effective damping is negative.", "support_damping", rigid=True, drawn=True,
+        constant=True,
     ),
     "stick": Known(
         "From the onset to this force slip has an attracting cycle that does not come to rest; beyond it slip comes to "
-        "a stand.", rigid=True, drawn=True,
+        "a stand.", rigid=True, drawn=True, constant=True,
     ),
     "detach": Known(
         "From the onset to this force slip from the end of rest reaches N = 0; beyond it the stick-slip cycle does "
-        "not.", rigid=True, drawn=True,
+        "not.", rigid=True, drawn=True, constant=True, rest=True,
     ),
     "global_stability": Known(
         "Under every smaller force all motions end in steady sliding; from this force to the onset, "
-        "R = r_m tan(lead_angle) c_x Omega, some do not.", rigid=True, drawn=True,
+        "R = r_m tan(lead_angle) c_x Omega, some do not.", rigid=True, drawn=True, constant=True, rest=True,
     ),
     "fold": Known(
-        "Two cycles of seizures without rest, one attracting and one repelling, meet and vanish.", rigid=True
+        "Two cycles of seizures without rest, one attracting and one repelling, meet and vanish.", rigid=True,
+        constant=True, rest=True,
     ),
     "cycle_birth": Known(
-        "The repelling cycle of seizures without rest touches Q = 0 where it seizes.", rigid=True
+        "The repelling cycle of seizures without rest touches Q = 0 where it seizes.", rigid=True, constant=True,
+        rest=True,
     ),
     "rest_loss": Known(
-        "On one side of it the sprag-slip cycle rests, on the other it does not.", "support_damping", rigid=True
+        "On one side of it the sprag-slip cycle rests, on the other it does not.", "support_damping", rigid=True,
+        constant=True, rest=True,
     ),
 }  # fmt: skip
 

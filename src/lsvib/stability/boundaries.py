@@ -21,9 +21,8 @@ from lsvib.models.drive import Drive, may_vanish
 from lsvib.models.mechanics import LinearParts, net_force
 from lsvib.models.model import model_of
 from lsvib.stability import spectrum
-from lsvib.stability.isolation import isolated_roots
-from lsvib.stability.solve import Equations, allowed
-from lsvib.stability.spectrum import SAME, margins, polynomial
+from lsvib.stability.solve import Equations, allowed, isolated_roots
+from lsvib.stability.spectrum import SAME, Polynomial, margins
 
 NAMES = ("onset", "kinematic_constraint", "negative_damping", "flutter")
 """Thresholds that are roots of these equations."""
@@ -113,6 +112,14 @@ def _leading(values: ParameterValues, t: Any, sense: int) -> Any:
     return LinearParts.of(values, 1, t).level().stiff().polynomial()[0]
 
 
+def _polynomial(values: ParameterValues, law: int, t: Any) -> Polynomial:
+    return LinearParts.of(values, law, t).polynomial()
+
+
+def _damping(values: ParameterValues, t: Any, sense: int) -> Any:
+    return LinearParts.of(values, 1, t).level().polynomial()[1]
+
+
 def _friction(values: ParameterValues, t: Any, sense: int) -> Any:
     return friction.steady_sum(values, t)[0]
 
@@ -135,7 +142,7 @@ def _margins(drive: Drive, law: int, neutral: bool, sloped: bool) -> list[RootCo
             words[0] = model.constraint
 
     def condition(which: int, text: str) -> RootCondition:
-        return RootCondition(text, lambda values, t, sense: margins(polynomial(values, law, t), neutral)[which])
+        return RootCondition(text, lambda values, t, sense: margins(_polynomial(values, law, t), neutral)[which])
 
     return [condition(k, text) for k, text in enumerate(words)]
 
@@ -153,6 +160,8 @@ class Line:
         self.fixed: dict[str, Any]
         self.tangent: Any
         self.fixed, self.tangent = spectrum.enclosed(drive)[0]
+        if self.fixed["decay"] < spectrum.LEAST:  # which would only part double roots by as little
+            self.fixed["decay"] = fmpq(0)
         self.neutral = spectrum.undamped(drive, unknown)
         self.sense = side if unknown == "input_speed" else 1 if drive.input_speed > 0 else -1
         self.sloped = friction.depends_on_speed(drive) or unknown in friction.OF_SPEED
@@ -160,11 +169,6 @@ class Line:
         if self.searched:
             self.fixed = {key: arb(value) for key, value in drive}
             self.tangent = self.fixed["lead_angle"].tan()
-        elif self.sloped:
-            law = spectrum.sliding_law_values(drive)[0]
-            if law["decay"] < spectrum.LEAST:  # which would only part double roots by as little
-                law["decay"] = fmpq(0)
-            self.fixed = {**self.fixed, **law}
         slide = getattr(drive, "slide_friction", 0.0) or unknown == "slide_friction"
         self.force = RootCondition(_NET_FORCE_OF_SLIDE if slide else _NET_FORCE, net_force)
         self.lowest, self.limit = fmpq(0), self._limit()
@@ -262,7 +266,7 @@ class Line:
     def margins(self, x: Any, law: int) -> tuple[Any, ...]:
         """Return the numbers that are all positive where steady sliding is stable under a law."""
         values, t, _ = self.at(x)
-        return margins(polynomial(values, law, t), self.neutral)
+        return margins(_polynomial(values, law, t), self.neutral)
 
     def stable(self, x: fmpq) -> bool:
         """Whether steady sliding is stable (asymptotically; neutrally where nothing damps)."""
@@ -361,7 +365,7 @@ def places(drive: Drive, name: str, unknown: str) -> list[Place] | None:
     elif name == "kinematic_constraint":
         wanted = {0: RootCondition(model_of(drive).constraint, _leading)}
     else:
-        wanted = {0: RootCondition(_DAMPING, lambda values, t, sense: polynomial(values, 1, t, True)[1])}
+        wanted = {0: RootCondition(_DAMPING, _damping)}
     roots = [(line, law, c, line.roots_with_friction(c)) for line in lines for law, c in wanted.items()]
     if all(found is None for *_, found in roots):
         return None
@@ -374,6 +378,15 @@ def places(drive: Drive, name: str, unknown: str) -> list[Place] | None:
         if not x or line.crosses(x, condition)
     ]
     return _in_order(drive, unknown, found)
+
+
+def place_values(drive: Drive, name: str, unknown: str) -> list[float]:
+    """Return the values [SI unit] of a parameter at the :func:`places` of a threshold, none if it is not in it.
+
+    >>> place_values(Drive(), "kinematic_constraint", "mass")
+    [10.106965213139869]
+    """
+    return [float(place.value) for place in places(drive, name, unknown) or []]
 
 
 def _in_order(drive: Drive, unknown: str, found: Iterable[Place]) -> list[Place]:

@@ -22,13 +22,12 @@ from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.errors import NoThreshold
 from lsvib.models import friction
 from lsvib.models.drive import Drive, zero_if_close
+from lsvib.models.mechanics import LinearParts, coefficients
 from lsvib.models.model import model_of
-from lsvib.stability.boundaries import net_force
-from lsvib.stability.conditions import damping_by_slope, effective_damping, effective_inertia
+from lsvib.models.thresholds import TABLE
 from lsvib.stability.force_thresholds import threshold_force
-from lsvib.stability.linear import hurwitz, sliding_law
 from lsvib.stability.solve import bracketed_root
-from lsvib.stability.spectrum import enclosed, polynomial
+from lsvib.stability.spectrum import enclosed, margins, polynomial, sliding_law
 from lsvib.stability.starting import runs_evenly
 
 LOGARITHMIC = ("contact_stiffness", "contact_damping")
@@ -49,10 +48,6 @@ class ChartBoundary(IntEnum):
     FLUTTER = 7
 
 
-_OF_REST = (ChartBoundary.DETACH, ChartBoundary.GLOBAL_STABILITY)
-"""Curves that hold for static friction that is not above that of sliding."""
-_OF_CONSTANT_FRICTION = (*_OF_REST, ChartBoundary.STICK, ChartBoundary.NEGATIVE_DAMPING, ChartBoundary.EVEN_SPEED)
-"""Curves that hold for friction that does not depend on the speed."""
 _FORCES = (ChartBoundary.STICK, ChartBoundary.DETACH, ChartBoundary.GLOBAL_STABILITY)
 AxisSpan = tuple[str, tuple[float, float]]
 PlaneFunction = Callable[[float, float], float]
@@ -66,9 +61,9 @@ def boundary_curves(drive: Drive, x: AxisSpan, y: AxisSpan) -> dict[ChartBoundar
     """
     names, found = (x[0], y[0]), {}
     corners = [drive.replace(**{x[0]: first, y[0]: second}) for first, second in product(x[1], y[1])]
-    moves, rests = ([friction.refusal(corner, rest) for corner in corners] for rest in (False, True))
     for kind in sorted(ChartBoundary[name.upper()] for name in model_of(drive).curves):
-        if (any(moves) and kind in _OF_CONSTANT_FRICTION) or (any(rests) and kind in _OF_REST):
+        holds = TABLE[kind.name.lower()]
+        if holds.constant and any(friction.refusal(corner, holds.rest) for corner in corners):
             continue
         # R̃ is linear in each parameter that it depends on.
         if kind is ChartBoundary.FLUTTER and not any(map(sliding_law, corners)):
@@ -136,8 +131,8 @@ def _function(drive: Drive, kind: ChartBoundary, names: tuple[str, str]) -> Plan
             return starts_evenly(changed)
         if kind is ChartBoundary.FLUTTER:
             values, tangent = enclosed(changed)[0]
-            exact = polynomial(values, sliding_law(changed) or 1, tangent)
-            return float(min((*exact[:4], hurwitz(exact))))
+            exact = LinearParts.of(values, sliding_law(changed) or 1, tangent).polynomial()
+            return float(min(margins(exact, neutral=False)))
         return _closed_form(changed, kind)
 
     return function
@@ -148,18 +143,16 @@ def _closed_form(drive: Drive, kind: ChartBoundary) -> float:
 
     Where friction depends on the speed the onset is where C_0 + S changes its sign, or R̃ Ω or Γ₊ beside C_0 + S > 0.
     """
-    d = drive.exact()
-    inertia, damping = float(effective_inertia(d, 1)), float(effective_damping(d, 1))
+    c = coefficients(drive)
+    inertia, damping = float(c.gamma[1]), float(c.damping[1])
     if kind is ChartBoundary.KINEMATIC_CONSTRAINT:
         return inertia
     with many_digits():
-        drag = float(net_force(vars(d), d.tan_lead, 1) * d.input_speed)
+        drag = float(c.net_force * drive.input_speed)
     if kind is ChartBoundary.NEGATIVE_DAMPING:
         return damping if inertia > 0 and drag > 0 else math.nan
     if friction.depends_on_speed(drive) and not (inertia <= 0 < drag):
-        law = 1 if drag > 0 else -1
-        with many_digits():
-            return -float(effective_damping(d, law) + damping_by_slope(d, law))
+        return -float(polynomial(drive.exact(), 1 if drag > 0 else -1)[1])
     return drag if inertia <= 0 or damping < 0 else math.nan
 
 
@@ -168,8 +161,8 @@ def starts_evenly(drive: Drive) -> float:
 
     nan where that is not known, and where steady sliding does not attract: there it is no boundary of its own.
     """
-    law, d = sliding_law(drive), drive.exact()
-    if not law or not (effective_inertia(d, law) > 0 and effective_damping(d, law) > 0):
+    law, c = sliding_law(drive), coefficients(drive)
+    if not law or not (c.gamma[law] > 0 and c.damping[law] > 0):
         return math.nan
     even = runs_evenly(drive)
     return math.nan if even is None else 1.0 if even else -1.0

@@ -1,4 +1,4 @@
-"""Roots: bracketed, searched for, and of systems of equations with an enclosure and exact derivatives.
+"""Roots: bracketed, isolated, searched for, and of systems of equations with an enclosure and exact derivatives.
 
 A threshold is a system F(y, x; p) = 0 of n equations in n − 1 inner unknowns y, such as times, and one parameter x of
 the drive; p are all its other parameters. docs/thresholds.md says how it is found, proved and differentiated; F takes
@@ -13,7 +13,7 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from flint import arb, arb_mat, arb_series
+from flint import arb, arb_mat, arb_poly, arb_series, fmpq
 
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.errors import EngineError, InputError, NoThreshold
@@ -24,6 +24,9 @@ Equations = Callable[[Mapping[str, Any], Sequence[Any]], Sequence[Any]]
 
 _WHOLE = ("stribeck_exponent",)  # parameters that are whole numbers, by which there is no derivative
 DECADES = 6  # of a search, on both sides of its middle
+_ORDER = 12  # of a Taylor polynomial: next to a double root, or where large terms cancel, boxes may still be wide
+_MOST = 4000  # boxes, some seconds
+_CLOSE = 1e-29  # relative error of an isolated root
 
 
 class Singular(Exception):
@@ -72,6 +75,66 @@ def bracketed_root(function: Callable[[Any], Any], low: Any, high: Any, toleranc
             part += float((c - a) / (b - a)) * ratio / (other - ratio) / (other - 1)
             part = min(max(part, limit), 1 - limit)
     return best
+
+
+def isolated_roots(function: Callable[[Any], Any], low: fmpq, high: fmpq) -> list[fmpq] | None:
+    """Return all roots between ``low`` > 0 and ``high``, ascending; None if the function does not depend on x.
+
+    The function is of a ball or a power series. On a box of the half-width r about its middle m it is a Taylor
+    polynomial of h = x − m, |h| <= r, whose coefficients are those of m, but for the last one, which is that of the
+    whole box. Where this holds no zero there is no root; where its derivative has none there is one exactly if the ends
+    of the box differ in sign; other boxes are halved. To be called with many digits. Raises ``NoThreshold`` where roots
+    cannot be told apart.
+    """
+
+    def value(x: Any) -> arb:
+        return arb(function(arb(x)))
+
+    span = (arb(high) / arb(low)).log()
+    if all(_series(function, (arb(low) * (span * n / 64).exp()).mid(), 1)[1].contains(0) for n in range(65)):
+        return None
+    boxes: list[tuple[fmpq, fmpq]] = []
+    roots: list[fmpq] = []
+    start = low
+    while start < high:
+        boxes.append((start, min(2 * start, high)))
+        start = 2 * start
+    boxes.reverse()
+    for _ in range(_MOST):
+        if not boxes:
+            return roots
+        a, b = boxes.pop()
+        if not value(_box(a, b)).contains(0):  # as where all terms have one sign
+            continue
+        whole, slope = _over(function, a, b)
+        if not whole.contains(0):
+            continue
+        if not slope.contains(0):
+            ends = value(a) * value(b)
+            if ends < 0:
+                roots.append(arb(bracketed_root(value, arb(a), arb(b), _CLOSE)).mid().fmpq())
+            if ends != 0:  # for certain
+                continue
+        boxes += [((a + b) / 2, b), (a, (a + b) / 2)]
+    raise NoThreshold("two roots of an equation of the threshold lie too close together to be told apart.")
+
+
+def _series(function: Callable[[Any], Any], x: arb, order: int) -> list[arb]:
+    """The Taylor coefficients at a ball, up to an order."""
+    found = arb_series(function(arb_series([x, 1], prec=order + 1)), prec=order + 1)
+    return [found[k] for k in range(order + 1)]
+
+
+def _box(a: fmpq, b: fmpq) -> arb:
+    middle = arb((a + b) / 2)
+    return arb(middle.mid(), arb((b - a) / 2).abs_upper() + middle.rad())
+
+
+def _over(function: Callable[[Any], Any], a: fmpq, b: fmpq) -> tuple[arb, arb]:
+    """Enclosures of the values and of the derivative between two numbers."""
+    terms = [*_series(function, arb((a + b) / 2), _ORDER - 1), _series(function, _box(a, b), _ORDER)[-1]]
+    h, polynomial = arb(0, arb((b - a) / 2).abs_upper()), arb_poly(terms)
+    return polynomial(h), polynomial.derivative()(h)
 
 
 def solved(drive: Drive, unknown: str, equations: Equations, guess: Any, inner: Sequence[Any] = ()) -> Root:

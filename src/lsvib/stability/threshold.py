@@ -99,7 +99,7 @@ def _require_one_friction(drive: Drive, name: str, unknown: str) -> None:
     """Refuse a threshold of motions for a friction law that its equations do not have."""
     if unknown == "static_friction_coefficient" and name == "stick":
         raise NoThreshold("the threshold stick does not depend on static_friction_coefficient.")
-    wanted = friction.refusal(drive, rest=name != "stick")
+    wanted = friction.refusal(drive, TABLE[name].rest)
     if not wanted and unknown in friction.NAMES:
         wanted = "holds for friction that is one number"
     if wanted:
