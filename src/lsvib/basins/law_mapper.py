@@ -169,7 +169,7 @@ class DividedSections:
 
     def _settle_beside(
         self, section: Section, centre: float, attractor: SteadyState, events: int, sides: Sequence[int]
-    ) -> bool:
+    ) -> None:
         """Label the widest interval beside an attractor whose ends tend to it, and that its events take into itself.
 
         Along the interval these are the same, so that they take it to itself in a monotone way.
@@ -187,8 +187,7 @@ class DividedSections:
                     line.insert(*(np.atleast_1d(part) for part in (x, *self._images(section, np.array([x])))))
                 low, high = min(centre, *ends), max(centre, *ends)
                 line.labels[(line.points[:-1] >= low) & (line.points[1:] <= high)] = attractor.label
-                return True
-        return False
+                return
 
     def _course(self, section: Section, x: float, events: int) -> tuple[list[bytes], float] | None:
         """Return what so many events are and where on the section they lead to; None unless they lead back to it."""
@@ -241,8 +240,7 @@ class LawMapper(StateMapper):
     def __init__(self, drive: Drive, physics: tuple[str, ...]) -> None:
         super().__init__(drive, physics)
         reach = drive.input_speed * np.array([(drive.screw_inertia / drive.coupling_stiffness) ** 0.5, 1.0])
-        places = [np.abs(reach)[None]]
-        places += [np.abs(one.orbit.after) for one in self.attractors if one.orbit is not None]
+        places = [np.abs(reach)[None], *(np.abs(one.orbit.after) for one in self.attractors if one.orbit is not None)]
         self.sections = DividedSections(self.automaton, np.concatenate(places).max(axis=0), self.attractors)
 
     def fill(

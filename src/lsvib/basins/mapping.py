@@ -9,11 +9,9 @@ from lsvib.models.model import model_of
 
 
 def mapper(drive: Drive, physics: Sequence[str] | None = None) -> Mapper:
-    """Return the mapper of a drive: for a rigid one a ``PlanarMapper`` or, under a friction law, a ``LawMapper``.
+    """Return the mapper of a drive, ``physics`` as in a scene; raises ``InputError``.
 
-    For any other drive it is a ``StateMapper``.
-
-    Arguments: drive; ``physics`` as in a scene. Raises ``InputError``.
+    For a rigid drive that is a ``PlanarMapper`` or, under a friction law, a ``LawMapper``; else a ``StateMapper``.
 
     >>> import lsvib
     >>> from lsvib.basins.grid import Axis, Grid
@@ -24,14 +22,14 @@ def mapper(drive: Drive, physics: Sequence[str] | None = None) -> Mapper:
     """
     definition = model_of(drive)
     physics = (*definition.terms, *definition.options) if physics is None else tuple(physics)
-    if drive.rigid and not depends_on_speed(drive):
-        from lsvib.basins.labels import PlanarMapper  # each with kernels of its own
+    if not drive.rigid:
+        from lsvib.basins.slice_mapper import StateMapper  # each with kernels of its own
 
-        return PlanarMapper(drive, physics)
-    if drive.rigid:
+        return StateMapper(drive, physics)
+    if depends_on_speed(drive):
         from lsvib.basins.law_mapper import LawMapper
 
         return LawMapper(drive, physics)
-    from lsvib.basins.slice_mapper import StateMapper
+    from lsvib.basins.labels import PlanarMapper
 
-    return StateMapper(drive, physics)
+    return PlanarMapper(drive, physics)

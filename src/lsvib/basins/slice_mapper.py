@@ -65,8 +65,7 @@ class StateMapper(Mapper):
     def follow(self, found: Mapping[str, np.ndarray], grid: Grid, i: int, j: int, x: float, y: float) -> None:
         """Fill the cell (i, j), at ``x`` and ``y``, by the one rule."""
         state = self.definition.initial_state(self.drive, {**grid.fixed, grid.x.coordinate: x, grid.y.coordinate: y})
-        try:
-            # Each event takes some microseconds.
+        try:  # each event takes some microseconds
             end, course = end_of_motion(self.automaton, state, max_events=700_000, known=self._known)
             label, doubt, sprags, first = end.label, end.doubt, course.sprags, course.first_event
             time = np.inf if doubt is not None or label == Attractor.UNBOUNDED else course.time

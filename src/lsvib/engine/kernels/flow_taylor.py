@@ -82,23 +82,6 @@ def _between(a, b, k):
 
 
 @inlined_kernel
-def _two_between(a, b, c, d, k):
-    """Return two sums as of :func:`_between`, of a and b and of c and d, by one loop."""
-    one = two = three = four = 0.0
-    i = _ONE
-    while i + _ONE < k:
-        one += a[i] * b[k - i]
-        two += a[i + _ONE] * b[k - i - _ONE]
-        three += c[i] * d[k - i]
-        four += c[i + _ONE] * d[k - i - _ONE]
-        i += _TWO
-    if i < k:
-        one += a[i] * b[k - i]
-        three += c[i] * d[k - i]
-    return one + two, three + four
-
-
-@inlined_kernel
 def product(a, b, first, k):
     """Return Σ a_i b_{k−i} over i from ``first``, 0 or 1, to k."""
     total = a[0] * b[k] if first == 0 else 0.0
@@ -179,11 +162,8 @@ def _expand(flow, mode, piece, series, order, n):
         if piece >= 0:
             if law[RISE] != 0.0:
                 bent = 0.0 if law[EXPONENT] == 1.0 else -law[FADE] * law[FADE] * _between(sigma, sigma, k)
-                late, left = _two_between(rate, decay, mu, rest, k)
-                late = late * _INVERSE[k] + bent * decay[0]
-            else:
-                left = _between(mu, rest, k)
-            left = share * (rest[0] * law[RISE] * late + left)
+                late = _between(rate, decay, k) * _INVERSE[k] + bent * decay[0]
+            left = share * (rest[0] * law[RISE] * late + _between(mu, rest, k))
         for i in range(n):
             total = push[i] * left
             for j in range(n):
