@@ -49,11 +49,18 @@ def quantity(request, right, monkeypatch):
         for model in (rigid, modes):
             monkeypatch.setattr(model, "assemble", _observing_wrongly(model.assemble))
     else:
-        formula = getattr(mechanics, name)
+        formula, whole = getattr(mechanics, name), mechanics.LinearParts.polynomial
         monkeypatch.setattr(mechanics, name, lambda *values: formula(*values) * WRONG)
+        if (power := {"Γ": 0, "C": 1}.get(request.param)) is not None:  # the coefficient that is made of it
+            monkeypatch.setattr(mechanics.LinearParts, "polynomial", lambda parts: _wrong_at(whole(parts), power))
     forget()
     yield request.param
     forget()
+
+
+def _wrong_at(polynomial, place):
+    # a quotient of integers, which every kind of number takes
+    return tuple(x * 199 / 200 if k == place and x.__class__ is not int else x for k, x in enumerate(polynomial))
 
 
 def _observing_wrongly(assemble):

@@ -103,7 +103,8 @@ def imports(module):
 def source_files(modules):
     """Return the files of the modules and of the packages around them, relative to the working directory.
 
-    Templates, words and the style of a page lie beside the module that reads them, and begin with its name.
+    Templates, words and the style of a page lie beside the module that reads them, and begin with its name; claims, to
+    which there is a link, are a parameter of the rules that judge them.
     """
     files = set()
     for module in modules:
@@ -112,7 +113,8 @@ def source_files(modules):
         package = Path(FOLDERS[parts[0]], *parts, "__init__.py")
         file = package if package.exists() else Path(FOLDERS[parts[0]], *parts).with_suffix(".py")
         kinds = ("css", "j2", "yaml")
-        files |= {file, *(beside for kind in kinds for beside in file.parent.glob(f"{file.stem}*.{kind}"))}
+        beside = {each for kind in kinds for each in file.parent.glob(f"{file.stem}*.{kind}")}
+        files |= {file, *(each for each in beside if not each.is_symlink())}
     return sorted(str(file) for file in files)
 
 
