@@ -103,8 +103,8 @@ def imports(module):
 def source_files(modules):
     """Return the files of the modules and of the packages around them, relative to the working directory.
 
-    Templates, words and the style of a page lie beside the module that reads them, and begin with its name; claims, to
-    which there is a link, are a parameter of the rules that judge them.
+    Templates, words and the style of a page lie beside the module that reads them, and begin with its name. Claims,
+    beside the module that reads them, are a parameter of the rules that judge them instead.
     """
     files = set()
     for module in modules:
@@ -112,9 +112,8 @@ def source_files(modules):
         files |= {Path(FOLDERS[parts[0]], *parts[:n], "__init__.py") for n in range(1, len(parts))}
         package = Path(FOLDERS[parts[0]], *parts, "__init__.py")
         file = package if package.exists() else Path(FOLDERS[parts[0]], *parts).with_suffix(".py")
-        kinds = ("css", "j2", "yaml")
-        beside = {each for kind in kinds for each in file.parent.glob(f"{file.stem}*.{kind}")}
-        files |= {file, *(each for each in beside if not each.is_symlink())}
+        kinds = ("css", "j2") if module == "lsvib.models.chapter" else ("css", "j2", "yaml")
+        files |= {file, *(beside for kind in kinds for beside in file.parent.glob(f"{file.stem}*.{kind}"))}
     return sorted(str(file) for file in files)
 
 
