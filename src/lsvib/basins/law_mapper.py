@@ -6,7 +6,7 @@ go to places between the two (docs/attraction.md). So an interval has the label 
 have one; else it is halved. The first labels are those of rests, of motions that stay in their mode, and of intervals
 beside attractors, whose far ends the one rule (:mod:`lsvib.dynamics.attractor`) sees tend to the attractor.
 
-A motion that comes to no interval with a label, close to a boundary, is asked of the one rule.
+A motion that comes to no interval with a label for many events is asked of the one rule.
 """
 
 from collections.abc import Mapping, Sequence
@@ -119,8 +119,9 @@ class DividedSections:
         """Return the middles of the intervals of a section that are to be divided."""
         line, finest = self.lines[section], _FINEST * self.size[section.free]
         wide = (line.labels == UNKNOWN) & ~line.waits & (np.diff(line.points) > finest)
-        same = (line.found[:-1] == line.found[1:]).all(axis=1)
-        wide &= ~(same & (line.found[1:, 1] % 2 == 1))  # where the mode is not entered, or left at once
+        same, (outcome, number) = (line.found[:-1] == line.found[1:]).all(axis=1), line.found[1:, :2].T
+        # In vain where the mode is not entered, or left at once, and where its next event has no place.
+        wide &= ~(same & ((outcome != LEAVES) | (number % 2 == 1)))
         return 0.5 * (line.points[:-1] + line.points[1:])[wide]
 
     def _label(self) -> None:
@@ -134,6 +135,7 @@ class DividedSections:
                 for outcome, label in ((RESTS, self.way.pieces.resting), (STAYS, self.way.pieces.settled)):
                     here = alike & (one[:, 0] == outcome)
                     line.labels[here] = label[one[here, 2]]
+                    changed = changed or bool((line.labels[here] != UNKNOWN).any())
                 alike &= one[:, 0] == LEAVES
                 for mode, surface in np.unique(one[alike, 2:], axis=0):
                     here = np.flatnonzero(alike & (one[:, 2] == mode) & (one[:, 3] == surface))
