@@ -124,6 +124,7 @@ def test_compliant_threads():
         motion = follow(automaton_of(drive), start, np.inf, max_events=4)
         if qualified(motion):
             break
+    assert qualified(motion)
     end = float(motion.time[-1]) * 1.01 + 1e-6
     held_by_differences(motion, start, lambda x: four_states_digits.simulate(dict(drive), "threads", (), x, end).events)
 

@@ -139,9 +139,7 @@ class DividedSections:
                 alike &= one[:, 0] == LEAVES
                 for mode, surface in np.unique(one[alike, 2:], axis=0):
                     here = np.flatnonzero(alike & (one[:, 2] == mode) & (one[:, 3] == surface))
-                    target = self.lines.get(self._section(mode, surface))
-                    if target is None:
-                        continue
+                    target = self.lines[self._section(mode, surface)]
                     ends = np.sort([line.image[here], line.image[here + 1]], axis=0)
                     band = _BAND * self.size[self.way.pieces.free[surface]]
                     labels, line.waits[here] = target.over(ends[0] - band, ends[1] + band)
@@ -253,8 +251,7 @@ class LawMapper(StateMapper):
             super().fill(found, grid, x, y, quantities)
             return
         cells = Cells(x, y, int(grid.x.coordinate == "w"))
-        labels, first_events = found["label"], found["first_event"]
-        next_section.map_labels(self.sections.way, cells, _EVENTS, labels, first_events)
+        next_section.map_labels(self.sections.way, cells, _EVENTS, found["label"], found["first_event"])
         found["doubt"][:] = NO_DOUBT
-        for i, j in np.argwhere(labels < 0):
+        for i, j in np.argwhere(found["label"] < 0):
             self.follow(found, grid, i, j, float(x[j]), float(y[i]))
