@@ -285,7 +285,7 @@ class DriveMethods(_Base):
 
         * ``over``: values [SI units] of each parameter by its name; all combinations of them are taken.
         * ``start``: as of :meth:`simulate`, by default next to steady sliding.
-        * ``workers``: number of threads or processes, which changes no number.
+        * ``workers``: number of threads, which changes no number.
         * ``progress``: called with the numbers of points done and in all.
 
         Returns a dataset over the parameters with attractor, amplitude [rad], period [s], multiplier [1],

@@ -4,44 +4,50 @@ import numpy as np
 import pytest
 from references.drives import catalogue_drive
 
-from lsvib.dynamics.sweep import ending_of
+from lsvib.dynamics.sweep import Ending, all_endings, ending_of
 from lsvib.engine.exact.modal_form import linear_mode, modal_flow
 from lsvib.engine.kernels import event_loop
-from lsvib.engine.kernels.layout import A0, A1, BETA
-from lsvib.models.many import ManyDrives, automata
+from lsvib.engine.kernels.layout import A0, A1, BETA, ModalFlow
+from lsvib.models.many import ManyDrives, groups
+from lsvib.models.mechanism import standing_state
 from lsvib.models.model import automaton_of
 
 DRIVES = 40
 
 
-def drawn():
-    """Drives such as a catalogue offers, with a start of each, and the automata that are made for all at once."""
-    found = [catalogue_drive("threads", 9, i, 1) for i in range(DRIVES)]
+def drawn(kind):
+    """Drives such as a catalogue offers, with a start of each, and all of them as arrays."""
+    found = [catalogue_drive(kind, 9, i, 1) for i in range(DRIVES)]
     values = {name: np.array([getattr(drive, name) for drive, _ in found]) for name in dict(found[0][0])}
-    together = automata(ManyDrives(values))
-    return [(drive, starts[0], one) for (drive, starts), (_, _, one) in zip(found, together, strict=True)]
+    return [drive for drive, _ in found], np.array([starts[0] for _, starts in found]), ManyDrives(values)
 
 
-def test_tables_are_those_of_each_drive(monkeypatch):
+@pytest.mark.parametrize("kind", ["threads", "nut"])
+def test_tables_are_those_of_each_drive(monkeypatch, kind):
+    """Also with a nut, whose modes at rest have two rates of zero."""
+    drives, starts, many = drawn(kind)
     built = []
     monkeypatch.setattr("lsvib.engine.exact.modal_form.modal_mode", built.append)
-    cases = drawn()
+    found = [*groups(many, np.arange(DRIVES))]
     assert not built  # none of these drives needs balls
     monkeypatch.undo()
-    for drive, start, many in cases:
+    assert all(group.safe.all() for group in found)
+    for group, place in ((one, place) for one in found for place in range(one.members.size)):
+        member, tables = group.members[place], group.automaton.tables
+        drive, start = drives[member], starts[member]
         exact = automaton_of(drive)
         for name in ("surfaces", "condition_row"):
-            np.testing.assert_allclose(getattr(many.tables, name), getattr(exact.tables, name), rtol=1e-15)
-        flow, true = many.tables.flow, exact.tables.flow
+            np.testing.assert_allclose(getattr(tables, name)[place], getattr(exact.tables, name), rtol=1e-13)
+        flow, true = ModalFlow(*(table[place] for table in tables.flow)), exact.tables.flow
         assert np.array_equal(flow.pairs, true.pairs)
         assert np.array_equal(flow.singles, true.singles)
         pairs, singles = true.oscillators.shape[1], true.rates.shape[1]
         columns = [A0, A1, BETA]
         np.testing.assert_allclose(flow.oscillators[:, :pairs, columns], true.oscillators[..., columns], rtol=1e-15)
         np.testing.assert_allclose(flow.rates[:, :singles], true.rates, rtol=1e-15)
-        assert many.condition < 2 * exact.condition
-        for mode, code in enumerate(many.codes):
-            state = np.where([False, code in many.rest_codes, False, False], -drive.input_speed, start)
+        assert group.automaton.condition[place] < 2 * exact.condition
+        for mode, code in enumerate(exact.codes):
+            state = np.where([False, code in exact.rest_codes, False, False], -drive.input_speed, start)
             for time in (1e-5, 1e-3, 1e-2):
                 moved, right = np.empty(4), np.empty(4)
                 event_loop.advance(flow, mode, state, time, moved)
@@ -49,13 +55,15 @@ def test_tables_are_those_of_each_drive(monkeypatch):
                 assert (np.abs(moved - right) <= 2e-12 * np.maximum(np.abs(right), np.abs(state))).all()
 
 
-def test_what_motions_end_on_is_what_they_end_on_by_the_tables_of_each_drive():
-    for drive, start, many in drawn()[:15]:
-        quick = ending_of(drive, many, start)
-        right = ending_of(drive, automaton_of(drive), start)
-        assert quick.attractor == right.attractor
-        for name in ("amplitude", "period", "peak_normal_force"):
-            assert getattr(quick, name) == pytest.approx(getattr(right, name), rel=1e-9, nan_ok=True)
+@pytest.mark.parametrize("kind", ["threads", "support", "nut"])
+def test_what_motions_end_on_is_what_they_end_on_by_the_tables_of_each_drive(kind):
+    drives, _, many = drawn(kind)
+    together = all_endings(many, None)
+    for k, drive in enumerate(drives[:15]):
+        right = ending_of(drive, automaton_of(drive), standing_state(drive))
+        quick = Ending(*(column[k] for column in together))
+        assert quick[:2] == right[:2]
+        np.testing.assert_allclose(quick[2:], right[2:], rtol=1e-9, atol=1e-9, err_msg=repr(drive))
 
 
 def test_forms_that_do_not_hold_are_given_up():

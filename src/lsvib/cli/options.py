@@ -124,7 +124,7 @@ def _axis(text: str) -> Any:
 
 
 Whole = Annotated[int, one(_whole)]
-Workers = Annotated[int, one(_whole, "Number of threads or processes; it changes no result.")]
+Workers = Annotated[int, one(_whole, "Number of threads; it changes no result.")]
 Start = Annotated[
     list[Coordinate] | None,
     several(_started, "State at t = 0: u=RAD w=RAD_PER_S ..., or rest, as it is switched on.", consume_multiple=True),

@@ -234,14 +234,18 @@ def facts_of(automaton: Automaton) -> rule.Facts:
     """Return what the rule needs to know of the modes and events of a model."""
     codes, sprag_kinds = automaton.codes, np.zeros(128, dtype=bool)  # kinds of events are numbers of eight bits
     sprag_kinds[list(automaton.sprag_kinds)] = True
-    flow, rests = automaton.tables.flow, np.isin(codes, automaton.rest_codes)
+    rests = np.isin(codes, automaton.rest_codes)
+    return rule.Facts(rests, np.isin(codes, automaton.sprag_codes), sprag_kinds, bool(np.all(conserves(automaton))))
+
+
+def conserves(automaton: Automaton) -> np.ndarray:
+    """Whether all modes in motion preserve areas or volumes, because nothing damps; of many drives for each (k)."""
+    flow, moves = automaton.tables.flow, ~np.isin(automaton.codes, automaton.rest_codes)
     if isinstance(flow, layout.TaylorFlow):
-        conserves = False
-    elif isinstance(flow, np.ndarray):  # modes in motion preserve areas where nothing damps them, or volumes
-        conserves = not flow[..., ~rests, layout.A1].any()
-    else:
-        conserves = not np.trace(flow.field[~rests][:, :, :-1], axis1=1, axis2=2).any()
-    return rule.Facts(rests, np.isin(codes, automaton.sprag_codes), sprag_kinds, conserves)
+        return np.zeros(flow.field.shape[:-3], dtype=bool)
+    if isinstance(flow, np.ndarray):
+        return ~flow[..., moves, layout.A1].any(axis=-1)
+    return ~np.trace(flow.field[..., moves, :, :-1], axis1=-2, axis2=-1).any(axis=-1)
 
 
 def new_found(states: int, work: float) -> rule.Found:
@@ -305,7 +309,7 @@ def _cycle(automaton: Automaton, found: rule.Found, known: KnownCycles) -> Stead
     notes, state, facts = found.notes[0], found.state.copy(), known.asked.facts
     d = int(notes["dimension"])
     orbit = follow(automaton, state, math.inf, mode=int(notes["mode"]), max_events=int(notes["events"]))
-    label, leading = cycle_label(orbit), largest(found.slopes[:d, :d])
+    label, leading = cycle_label(orbit), float(largest(found.slopes[:d, :d]))
     neutral = facts.conserves and abs(leading) > 1 - ON_CIRCLE and label != Attractor.SPRAG_SLIP_CYCLE
     modes, _, _, durations = orbit.arcs()
     # part of a period for which the largest of a neutral family seems to rest where it touches θ′ = 0
@@ -324,13 +328,13 @@ def cycle_label(orbit: Motion) -> Attractor:
     return Attractor.STICK_SLIP_CYCLE if np.isin(codes, automaton.rest_codes).any() else Attractor.OTHER_CYCLE
 
 
-def largest(slopes: np.ndarray) -> float:
-    """Return the eigenvalue of P′ (d, d) of the largest magnitude, or its magnitude if it is complex; 0 if d = 0."""
-    if slopes.size == 0:
-        return 0.0
+def largest(slopes: np.ndarray) -> np.ndarray:
+    """Return the eigenvalues of P′ (..., d, d) of the largest magnitude, or that if they are complex; 0 if d = 0."""
+    if slopes.shape[-1] == 0:
+        return np.zeros(slopes.shape[:-2])
     values = np.linalg.eigvals(slopes)
-    leading = values[np.argmax(np.abs(values))]
-    return float(leading.real if leading.imag == 0 else abs(leading))
+    leading = np.take_along_axis(values, np.abs(values).argmax(axis=-1)[..., None], axis=-1)[..., 0]
+    return np.where(leading.imag == 0, leading.real, np.abs(leading))
 
 
 def orbit_extremes(orbit: Motion, row: np.ndarray, wanted: np.ndarray | None = None) -> tuple[float, float]:

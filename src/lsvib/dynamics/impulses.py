@@ -18,6 +18,7 @@ the mean contact torque is −k ⟨z⟩ − c Ω.
 """
 
 import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -81,16 +82,22 @@ def event_impulses(drive: Drive, motion: Motion) -> Impulses:
     """
     automaton = motion.automaton
     change = np.where(np.isin(motion.kind, automaton.sprag_kinds)[:, None], motion.before - motion.after, 0.0)
-    turned = change[:, automaton.states.index("velocity_deviation")]
-    lead = drive.pitch_radius * math.tan(drive.lead_angle)
-    travel = lead * turned
-    if "shift_rate" in automaton.states:
-        travel = travel + change[:, automaton.states.index("shift_rate")]
-    if "nut_rate" in automaton.states:
-        travel = travel - lead * change[:, automaton.states.index("nut_rate")]
-    axial, torque = drive.mass * travel, drive.screw_inertia * turned
+    axial, torque = (change @ row for row in balances(dict(drive), automaton.states))
     normal = axial * math.cos(drive.lead_angle) - torque / drive.pitch_radius * math.sin(drive.lead_angle)
     return Impulses(normal=normal, axial=axial, torque=torque)
+
+
+def balances(p: Mapping[str, Any], states: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
+    """Return the rows (n) of the axial and the torsional impulse over the fall of the state, or of many drives (k, n).
+
+    Arguments: parameters by name, numbers or arrays (k) in SI units; the names of the coordinates (n).
+    """
+    lead = p["mass"] * p["pitch_radius"] * np.tan(p["lead_angle"])
+    axial = {"velocity_deviation": lead, "shift_rate": p["mass"], "nut_rate": -lead}
+    torque = {"velocity_deviation": p["screw_inertia"]}
+    rows = ([shares.get(name, 0.0 * lead) for name in states] for shares in (axial, torque))
+    first, second = (np.stack(np.broadcast_arrays(*row), axis=-1) for row in rows)
+    return first, second
 
 
 def mean_load(drive: Drive, orbit: Motion) -> MeanLoad:

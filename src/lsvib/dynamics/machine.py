@@ -4,20 +4,20 @@ import numpy as np
 
 from lsvib.dynamics.kernels import machine as kernels
 from lsvib.dynamics.kernels.machine import AnyFlow, AnyWork, Machine
-from lsvib.engine.kernels import event_loop, flow_taylor, guard_sums, jit, search_planar
+from lsvib.engine.kernels import event_loop, flow_taylor, guard_sums, jit, layout, search_planar
 from lsvib.engine.kernels.layout import Modal, ModalFlow, Now, Planar, Tables, Taylor, TaylorFlow
 from lsvib.engine.motion import NEVER, new_events
 
 
-def _empty(*dimensions: int, whole: int = 0) -> list[np.ndarray]:
-    """Arrays of so many dimensions without an entry, the first ``whole`` of them of whole numbers."""
-    return [np.zeros((0,) * d, dtype=np.int64 if k < whole else float) for k, d in enumerate(dimensions)]
+def _empty(*dimensions: int, whole: tuple[int, ...] = ()) -> list[np.ndarray]:
+    """Arrays of so many dimensions without an entry, of which some, by their places, are of whole numbers."""
+    return [np.zeros((0,) * d, dtype=np.int64 if k in whole else float) for k, d in enumerate(dimensions)]
 
 
 _NO_FLOW = AnyFlow(
     np.zeros((0, 0)),
-    ModalFlow(*_empty(1, 1, 3, 2, 2, 3, 3, 3, whole=2)),
-    TaylorFlow(*_empty(3, 2, 2, 2, 1), np.zeros(0, dtype=np.int64), *_empty(2, 2, 3, 1)),
+    ModalFlow(*_empty(*layout.MODAL_DIMENSIONS, whole=(0, 1))),
+    TaylorFlow(*_empty(*layout.TAYLOR_DIMENSIONS, whole=(5,))),
 )
 _NO_WORK = AnyWork(
     search_planar.Work(np.zeros(1)),
@@ -26,9 +26,17 @@ _NO_WORK = AnyWork(
 )
 
 
-def of_one_type(tables: Tables) -> Tables:
-    """Return tables whose flow has the type that all flows have for the rule."""
-    return tables._replace(flow=_NO_FLOW._replace(**{_PLACES[type(tables.flow)]: tables.flow}))
+def of_one_type(tables: Tables, many: int | None = None) -> Tables:
+    """Return tables whose flow has the type that all flows have for the rule; ``many``: drives that they are of."""
+    flow = _NO_FLOW
+    if many is not None:
+        planar, *others = flow
+        flow = AnyFlow(_of_many(planar, many), *(type(x)(*(_of_many(table, many) for table in x)) for x in others))
+    return tables._replace(flow=flow._replace(**{_PLACES[type(tables.flow)]: tables.flow}))
+
+
+def _of_many(empty: np.ndarray, size: int) -> np.ndarray:
+    return np.zeros((size, *empty.shape), dtype=empty.dtype)
 
 
 _PLACES = {np.ndarray: "planar", ModalFlow: "modal", TaylorFlow: "taylor"}  # of a flow, by its type
@@ -61,3 +69,12 @@ def derivative_of(tables: Tables) -> int:
     row, square = np.empty(n), np.empty((n, n))
     found = jit.address(kernels.derivative, _KINDS[_PLACES[type(tables.flow)]], flow, 0, row, 0.0, square, square)
     return found  # type: ignore[no-any-return]  # a function where nothing is compiled
+
+
+def extremes_of(tables: Tables) -> tuple[int, int]:
+    """Return the address of the extremes over arcs for the tables of an automaton, and that which they call."""
+    n, flow = tables.surfaces.shape[1] - 1, tables.flow
+    arcs = np.zeros(0, dtype=np.int64), np.empty((0, n)), np.empty(0), np.empty((0, n + 1))
+    inner = jit.address(event_loop.extremes_of_arcs, flow, *arcs)
+    kind = _KINDS[_PLACES[type(flow)]]
+    return jit.address(kernels.extremes, kind, inner, of_one_type(tables).flow, *arcs), inner

@@ -1,34 +1,41 @@
 """What the motions of many drives with the same parts end on: attractor, size, forces.
 
-Every motion is asked of the one rule (:mod:`lsvib.dynamics.attractor`). Drives with two states are followed by one call
-of it compiled, with tables made at once in plain doubles; what these do not hold to 1e-12, and all other drives, are
-followed one by one, share by share, in processes of their own. No number depends on how the drives are shared out.
+Every motion is asked of the one rule (:mod:`lsvib.dynamics.attractor`), block by block in one call of it compiled, with
+tables made at once in arrays; drives whose tables these do not hold to 1e-12 are followed one by one. No number depends
+on how the drives are shared out.
 """
 
 import math
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import nullcontext
-from functools import partial
-from multiprocessing import get_context
+from contextlib import suppress
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from lsvib.dynamics.attractor import Attractor, KnownCycles, new_found, orbit_extremes, records, steady_state
-from lsvib.dynamics.impulses import event_impulses, normal_impulse
+from lsvib.dynamics.attractor import (
+    Attractor,
+    KnownCycles,
+    conserves,
+    largest,
+    new_found,
+    orbit_extremes,
+    records,
+    steady_state,
+)
+from lsvib.dynamics.impulses import balances, event_impulses
 from lsvib.dynamics.kernels import sweep as kernels
 from lsvib.dynamics.kernels.attractor import end_of
 from lsvib.dynamics.kernels.single_mode import Outcome
 from lsvib.dynamics.kernels.sweep import RESTS, REVERSES, SPRAGS
-from lsvib.dynamics.machine import machine_for, of_one_type
+from lsvib.dynamics.machine import extremes_of, machine_for, of_one_type
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import jit, layout
 from lsvib.engine.motion import engine_for, enter
 from lsvib.errors import EngineError
 from lsvib.models.drive import Drive
-from lsvib.models.many import Group, ManyDrives, automata, groups
-from lsvib.models.model import model_of
+from lsvib.models.many import Group, ManyDrives, groups
+from lsvib.models.model import automaton_of, model_of
 from lsvib.models.names import Event
 from lsvib.numbers import Progress
 
@@ -108,109 +115,127 @@ def all_endings(
 
     Without ``starts`` that is rest: the screw stands with the coupling relaxed, and the motor begins to turn.
 
-    A motion depends on nothing but its own drive and start: no number depends on ``workers``, the number of processes
-    and, with two states, of threads. ``progress`` is called with the numbers of motions done and in all. ``others``:
-    values of the other states by name, by default as in steady sliding.
+    A motion depends on nothing but its own drive and start: no number depends on ``workers``, the number of threads.
+    ``progress`` is called with the numbers of motions done and in all. ``others``: values of the other states by name,
+    by default as in steady sliding.
     """
-    found, alone = Ending.unknown(drives.size), np.arange(drives.size)
-    if drives.rigid.all():
-        found, is_open = endings_at_once(drives, starts, workers)
-        alone = np.flatnonzero(is_open)
-        # motions left alone that make it worth while to start processes, which takes some seconds
-        workers = workers if alone.size >= 1000 else 1
-    done = drives.size - alone.size
-    if progress is not None and done:
-        progress(done, drives.size)
-    # most and fewest drives that a process takes at a time: some seconds of work
-    size = max(64, min(1024, -(-alone.size // (2 * workers))))
-    shares = [alone[first : first + size] for first in range(0, alone.size, size)]
-    cases = ((drives.some(share), None if starts is None else starts[share]) for share in shares)
-    work, several = partial(_share, others=dict(others or {})), workers > 1 and len(shares) > 1
-    with get_context("spawn").Pool(min(workers, len(shares))) if several else nullcontext() as processes:
-        for share, part in zip(shares, processes.imap(work, cases) if processes else map(work, cases), strict=True):
-            found.put(share, part)
-            done += share.size
-            if progress is not None:
-                progress(done, drives.size)
-    return found
-
-
-def _share(case: tuple[ManyDrives, np.ndarray | None], others: Mapping[str, float]) -> Ending:
-    """Return what motions of some drives end on, from their starts (k, 2) or from rest."""
-    drives, starts = case
-    found = Ending.unknown(drives.size)
-    for place, drive, automaton in automata(drives):
+    found, is_open = endings_at_once(drives, starts, workers, progress, others)
+    for done, place in enumerate(np.flatnonzero(is_open).tolist(), drives.size - is_open.sum()):
+        drive, automaton = drives.one(place), None
+        with suppress(EngineError):  # rates that lie too far apart: nothing can be determined
+            automaton = automaton_of(drive)
         model = model_of(drive)
         u_and_w: Any = None if starts is None else zip("uw", starts[place].tolist(), strict=True)
-        start = model.from_rest(drive) if u_and_w is None else {**dict(u_and_w), **others}
+        start = model.from_rest(drive) if u_and_w is None else {**dict(u_and_w), **(others or {})}
         found.put(place, ending_of(drive, automaton, model.initial_state(drive, start)))
+        if progress is not None:
+            progress(done + 1, drives.size)
     return found
 
 
-def endings_at_once(drives: ManyDrives, starts: np.ndarray | None, workers: int = 1) -> tuple[Ending, np.ndarray]:
-    """Return what motions of drives with two states (k) end on, and which must be followed alone (k).
+def endings_at_once(
+    drives: ManyDrives,
+    starts: np.ndarray | None,
+    workers: int = 1,
+    progress: Progress | None = None,
+    others: Mapping[str, float] | None = None,
+) -> tuple[Ending, np.ndarray]:
+    """Return what motions of drives (k) end on, and which must be followed alone (k); arguments of :func:`all_endings`.
 
-    Those are the ones of drives whose tables are not safe in doubles, whose friction depends on speed, or without any
-    damping.
+    Those are the ones of drives whose tables are not safe in doubles, or without any damping, and what does not end in
+    steady sliding or on a cycle.
     """
     found, is_open = Ending.unknown(drives.size), np.ones(drives.size, dtype=bool)
-    # drives whose tables are made at once: half a gigabyte of numbers for a million would be too many
-    size = max(1, min(8192, -(-drives.size // workers)))
+    # drives whose tables are made at once: half a gigabyte of numbers for all of a long sweep would be too many
+    size = max(1, min(8192 if drives.plain.all() else 1024, -(-drives.size // workers)))
     blocks = [np.arange(first, min(first + size, drives.size)) for first in range(0, drives.size, size)]
 
-    def fill(block: np.ndarray) -> None:
+    def fill(block: np.ndarray) -> int:
         for group in groups(drives, block):
-            closed, endings = _group_endings(drives, group, None if starts is None else starts[group.members])
+            closed, endings = _group_endings(drives, group, _states_of(group, drives, starts, others))
             found.put(group.members[closed], Ending(*(column[closed] for column in endings)))
             is_open[group.members[closed]] = False
+        return int((~is_open[block]).sum())
 
+    done = 0
     with ThreadPoolExecutor(workers) as pool:
-        list(pool.map(fill, blocks))
+        for count in pool.map(fill, blocks):
+            done += count
+            if progress is not None and count:
+                progress(done, drives.size)
     return found, is_open
 
 
-def _group_endings(drives: ManyDrives, group: Group, starts: np.ndarray | None) -> tuple[np.ndarray, Ending]:
-    """Return which motions of a group (j), from ``starts`` (j, 2) or rest, are done, and what these end on."""
-    automaton, size, found = group.automaton, group.members.size, Ending.unknown(group.members.size)
-    flow, moving = automaton.tables.flow, ~np.isin(automaton.codes, automaton.rest_codes)
-    done = group.safe & flow[:, moving, layout.A1].any(axis=1)
+def _states_of(
+    group: Group, drives: ManyDrives, starts: np.ndarray | None, others: Mapping[str, float] | None
+) -> np.ndarray:
+    """Return the states (j, n) from which the motions of a group begin."""
+    if starts is None:
+        return np.array(group.standing)
+    states, names = group.seated.copy(), model_of(drives.one(int(group.members[0]))).optional
+    states[:, :2] = starts[group.members]
+    for name, value in (others or {}).items():
+        states[:, 2 + names.index(name)] = value
+    return states
+
+
+def _group_endings(drives: ManyDrives, group: Group, starts: np.ndarray) -> tuple[np.ndarray, Ending]:
+    """Return which motions of a group (j), from ``starts`` (j, n), are done, and what these end on."""
+    automaton, size, n = group.automaton, group.members.size, starts.shape[1]
+    found, done, flow = Ending.unknown(size), group.safe & ~conserves(automaton), automaton.tables.flow
     if automaton.contracts:
         slides = done & (flow[..., layout.ALPHA] > 0).any(axis=1)
         _slide(group, slides, found)
         return slides, found
-    outcomes, numbers = np.full(size, Outcome.OPEN, dtype=np.int8), np.full(size, np.nan, dtype=kernels.NUMBERS)
-    none = KnownCycles.of((), automaton, 0).asked
-    asked = none._replace(facts=none.facts._replace(conserves=False))
-    reversal = np.int64(Event.CONTACT_REVERSAL)
-    force = automaton.observables["normal_force"]
-    speed = drives.values["input_speed"][group.members]
-    if starts is None:  # the coupling is relaxed
-        starts = np.stack([-np.asarray(group.coefficients.deflection), -speed], axis=1)
-    starts = np.ascontiguousarray(starts, dtype=float)
-    many, room = automaton.tables, records(2)
-    split = ("flow", "surfaces", "guard_parts", "resets", "condition_row", "shortest_stay")
-    one = many._replace(**{name: getattr(many, name)[0] for name in split})
-    engine = machine_for(one, engine_for(one))
-    address = jit.address(end_of, engine, of_one_type(one), asked, 0, starts[0], room, new_found(2, WORK))
-    rule = kernels.Rule(address, engine, asked, WORK, room)
-    members = kernels.Drives(of_one_type(many), starts, force, speed)
-    answers = kernels.Answers(outcomes, found.happens, numbers)
-    kernels.ends_of_many(rule, members, np.flatnonzero(done), reversal, answers)
+    own = {name: column[group.members] for name, column in drives.values.items()}
+    axial, torque = balances(own, automaton.states)
+    along, across = np.cos(own["lead_angle"])[:, None], (np.sin(own["lead_angle"]) / own["pitch_radius"])[:, None]
+    answers = kernels.Answers(
+        outcomes=np.full(size, Outcome.OPEN, dtype=np.int8),
+        bits=found.happens,
+        numbers=np.full(size, np.nan, dtype=kernels.NUMBERS),
+        slopes=np.zeros((size, n, n)),
+    )
+    angle = np.zeros((len(automaton.codes), n + 1))
+    angle[:, 0] = 1.0
+    members = kernels.Drives(
+        tables=of_one_type(automaton.tables, size),
+        starts=starts,
+        force=automaton.functional("normal_force"),
+        angle=angle,
+        impulse=axial * along - torque * across,
+    )
+    kernels.ends_of_many(_rule(automaton), members, np.flatnonzero(done), np.int64(Event.CONTACT_REVERSAL), answers)
+    outcomes, numbers = answers.outcomes, answers.numbers
     _slide(group, outcomes == Outcome.SLIDES, found)
     cycles = outcomes == Outcome.CYCLE
     bits = found.happens[cycles]
     labels = np.where(bits & RESTS, Attractor.STICK_SLIP_CYCLE, Attractor.OTHER_CYCLE)
     found.attractor[cycles] = np.where(bits & SPRAGS, Attractor.SPRAG_SLIP_CYCLE, labels)
-    found.amplitude[cycles] = numbers["amplitude"][cycles]
-    found.period[cycles] = numbers["period"][cycles]
-    found.multiplier[cycles] = numbers["multiplier"][cycles]
-    found.peak_normal_force[cycles] = numbers["force"][cycles]
-    own = {name: column[group.members[cycles]] for name, column in drives.values.items()}
-    values = {name: own[name] for name in ("mass", "pitch_radius", "screw_inertia")}
-    impulses = normal_impulse(numbers["seizure_speed"][cycles], np.sin(own["lead_angle"]), **values)
-    found.peak_normal_impulse[cycles] = np.abs(impulses)
+    names = {
+        "amplitude": "amplitude",
+        "period": "period",
+        "force": "peak_normal_force",
+        "impulse": "peak_normal_impulse",
+    }
+    for name, column in names.items():
+        getattr(found, column)[cycles] = numbers[name][cycles]
+    found.multiplier[cycles] = largest(answers.slopes[cycles])
     spent = (outcomes == Outcome.SPENT) | (outcomes == Outcome.SPENT_STEADILY)
     return cycles | spent | (outcomes == Outcome.SLIDES), found
+
+
+def _rule(automaton: Automaton) -> kernels.Rule:
+    """Return how motions of many drives are followed."""
+    many, asked = automaton.tables, KnownCycles.of((), automaton, 0).asked
+    asked = asked._replace(facts=asked.facts._replace(conserves=False))
+    split = {name: getattr(many, name)[0] for name in layout.DIMENSIONS if name != "flow"}
+    flow = many.flow[0] if isinstance(many.flow, np.ndarray) else type(many.flow)(*(table[0] for table in many.flow))
+    one = many._replace(flow=flow, **split)
+    engine, n = machine_for(one, engine_for(one)), len(automaton.states)
+    room = records(n)
+    address = jit.address(end_of, engine, of_one_type(one), asked, 0, np.zeros(n), room, new_found(n, WORK))
+    return kernels.Rule(address, extremes_of(one), engine, asked, WORK, room)
 
 
 def _slide(group: Group, here: np.ndarray, found: Ending) -> None:

@@ -5,7 +5,7 @@ numbers of many drives; then all tables of doubles have one more axis, the first
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -15,7 +15,7 @@ from lsvib.engine.exact.arithmetic import alike, double, doubles, many_digits, r
 from lsvib.engine.exact.modal_form import guard_forms, modal_flow
 from lsvib.engine.exact.taylor_form import TaylorMode, eta, taylor_flow
 from lsvib.engine.kernels import layout
-from lsvib.engine.kernels.layout import ModalFlow, Tables, Test
+from lsvib.engine.kernels.layout import Tables, Test
 from lsvib.errors import EngineError
 
 Row = Sequence[arb | np.ndarray | float | int]
@@ -112,7 +112,7 @@ class Automaton:
     def functional(self, name: str) -> np.ndarray:
         """Return an observable for :func:`lsvib.engine.kernels.event_loop.extremes_of_arcs`, a row for each mode."""
         own = self.observables[name]
-        return np.concatenate([own, self.parts[name]], axis=1) if name in self.parts else own
+        return np.concatenate([own, self.parts[name]], axis=-1) if name in self.parts else own
 
 
 def affine(rows: np.ndarray, states: np.ndarray) -> np.ndarray:
@@ -232,29 +232,6 @@ def assemble(
         parts={name: _rows([rows[mode] for mode in modes], n) for name, rows in (parts or {}).items()},
         condition=1.0 if n == 2 else np.max([mode.flow.condition for mode in modes.values()], axis=0),
         **facts,
-    )
-
-
-# Dimensions of the tables of doubles of one drive.
-DIMENSIONS = {"surfaces": 2, "guard_parts": 2, "resets": 3, "condition_row": 2, "shortest_stay": 0}
-
-
-def one_of_many(automaton: Automaton, place: int) -> Automaton:
-    """Return the automaton of one drive from that of many."""
-
-    def own(table: np.ndarray, dimensions: int) -> np.ndarray:
-        return table[place] if np.ndim(table) > dimensions else table
-
-    tables = automaton.tables
-    flow = tables.flow
-    return replace(
-        automaton,
-        tables=tables._replace(
-            flow=flow[place] if isinstance(flow, np.ndarray) else ModalFlow(*(part[place] for part in flow)),
-            **{name: own(getattr(tables, name), n) for name, n in DIMENSIONS.items()},
-        ),
-        observables={name: own(table, 2) for name, table in automaton.observables.items()},
-        condition=float(own(np.asarray(automaton.condition), 0)),
     )
 
 

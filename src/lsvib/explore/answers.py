@@ -129,7 +129,7 @@ def cells_of(drive: Drive) -> tuple[int, int]:
 
 
 def laborious(drive: Drive) -> bool:
-    """Return whether the page follows one motion of a drive only: friction depends on speed and parts comply."""
+    """Return whether the page draws no map of a drive: friction depends on speed and parts comply."""
     return bool(drive.parts) and friction.depends_on_speed(drive)
 
 

@@ -203,24 +203,22 @@ class Page:
             return result
 
         try:
-            if answers.laborious(view.drive):  # each point of a map would take a second
-                draw(self.plots.start_curve, view, {})
-                return
-            cells = answers.cells_of(view.drive)
-            strips = [window] if answers.at_once(view.drive) else answers.strips(window, cells[1])
-            size = cells[0], cells[1] // len(strips)
-            labels = np.concatenate([await found(answers.labels, view.drive, strip, size) for strip in strips])
-            self._shares = answers.shares(labels)
-            draw(self.plots.draw_map, labels, window)
-            draw(self._say_words)
+            if not answers.laborious(view.drive):  # each point of a map would take a second
+                cells = answers.cells_of(view.drive)
+                strips = [window] if answers.at_once(view.drive) else answers.strips(window, cells[1])
+                size = cells[0], cells[1] // len(strips)
+                labels = np.concatenate([await found(answers.labels, view.drive, strip, size) for strip in strips])
+                self._shares = answers.shares(labels)
+                draw(self.plots.draw_map, labels, window)
+                draw(self._say_words)
             draw(self.plots.start_curve, view, await found(answers.thresholds_over, view))
-            values, parts = answers.values_of(view, 61 if answers.at_once(view.drive) else 21), []
-            # Of drives with more states a point may take half a second.
-            for some in [values] if answers.at_once(view.drive) else ([value] for value in values):
-                parts.append(await found(answers.curves, view, some))
-                if len(parts) % 5 == 0 or some[-1] == values[-1]:
-                    curves = [xr.concat(sweeps, view.over) for sweeps in zip(*parts, strict=True)]
-                    draw(self.plots.draw_curve, curves)
+            values, parts = answers.values_of(view, 61), []
+            # What vibrates without a period takes up to half a second.
+            size = len(values) if answers.at_once(view.drive) else 6
+            for first in range(0, len(values), size):
+                parts.append(await found(answers.curves, view, values[first : first + size]))
+                curves = [xr.concat(sweeps, view.over) for sweeps in zip(*parts, strict=True)]
+                draw(self.plots.draw_curve, curves)
             draw(self._say_words, curves)
         except CancelledError:
             return
@@ -252,8 +250,8 @@ class Page:
                 f"{coefficients.min():.3g} to {coefficients.max():.3g}."
             )
         if answers.laborious(view.drive):
-            words.append("Map and amplitude curve are left out here: with a friction law and compliant parts they are")
-            words.append("work for `lsvib attraction` and `lsvib sweep`.")
+            words.append("The map is left out here: with a friction law and compliant parts it is work for")
+            words.append("`lsvib attraction`.")
         if self._shares:
             parts = [f"{plain(kind)} {100 * share:.1f} %" for kind, share in self._shares.items()]
             words.append(f"Of the starts in the window: {', '.join(parts)}.")

@@ -9,11 +9,13 @@ a body that slides on its own is refused: while it holds, the force that is left
 import math
 from dataclasses import replace
 from functools import cache
+from typing import Any
 
+import numpy as np
 from flint import arb
 
 from lsvib.engine.automaton import Automaton, Branch, Guard, Mode, Row, Transition, assemble
-from lsvib.engine.exact.arithmetic import double, many_digits
+from lsvib.engine.exact.arithmetic import double, many_digits, sign
 from lsvib.engine.exact.taylor_form import Split, TaylorMode
 from lsvib.engine.kernels.layout import Test
 from lsvib.errors import InputError
@@ -26,23 +28,23 @@ from lsvib.models.names import DIRECTIONS, Event, Key, Resume
 
 
 class LawModes(Modes):
-    """The modes of a drive under a friction law; arguments: mechanism, drive, how motion resumes after a seizure."""
+    """The modes of a drive under a friction law; arguments as of ``Modes``."""
 
-    def __init__(self, mechanism: Mechanism, drive: Drive, resume: Resume = "contact_sign") -> None:
-        self.drive = drive
-        super().__init__(mechanism, resume)
-
-    def _speeds_without_paradox(self) -> tuple[float, float]:
+    def _speeds_without_paradox(self) -> tuple[Any, Any]:
         inertia, mass = self.m.effective()
         inertia = inertia - self.m.reach * self.m.d.collar * self.m.d.pitch_radius * mass
-        found = sliding.speeds_below(self.drive, sliding.critical_coefficient(inertia, self.m.d, mass))
+        level = sliding.critical_coefficient(inertia, self.m.d, mass)
+        found = sliding.of_law(sliding.speeds_below, self.m.d, level)
+        if found.shape[-2] == 0:
+            return math.inf, math.inf
+        low, high = (found[..., 0, end][()] for end in (0, 1))
         if self.m.compliant:  # the growing force brings motions to slow sliding
-            return (0.0 if found and found[0][0] == 0 else math.inf), math.inf
-        if len(found) > 1:
+            return (math.inf if sign(low) else 0.0), math.inf
+        if found.shape[-2] > 1:
             raise InputError(
                 "friction reaches the Painlevé region in two ranges of speed; such drives are not followed."
             )
-        return found[0] if found else (math.inf, math.inf)
+        return low, high
 
     def _refuse(self) -> None:
         for name in self.m.own:
@@ -62,9 +64,9 @@ class LawModes(Modes):
         parts: dict[str, dict[str, Row]] = {
             name: dict.fromkeys(modes, self.m.constant(0)) for name in ("normal_force", "axial_contact_force")
         }
-        pieces = sliding.pieces_of(self.drive)
+        pieces = sliding.of_law(sliding.pieces_of, self.m.d)
         laws = {self.name(key): key for key in self.slips}
-        if 0 < self.low < math.inf:
+        if self.paradox and _ends(self.low):
             laws |= self._band(modes)
         split_of = cache(self._split)
         for name, key in laws.items():
@@ -75,7 +77,7 @@ class LawModes(Modes):
             seen[name] = without
             for observable in parts:
                 parts[observable][name] = more[observable]
-            if math.isfinite(self.high) and d * q > 0:
+            if _ends(self.high) and d * q > 0:
                 self._bound(modes, name, f"beyond_{DIRECTIONS[d]}", d, self.high, -1, "beyond")
                 self.transitions["beyond"] = Transition(())
         self._divide(modes, seen, parts)
@@ -84,14 +86,14 @@ class LawModes(Modes):
     def _split(self, d: int, law: int) -> tuple[Split, dict[str, Row], dict[str, Row]]:
         """The field of slip as friction divides it, what is seen of it without friction, and what counts η times."""
         t = self.m.d.tan_lead
-        probe = t / 2 if t < 1 else 1 / (2 * t)  # with which Γ_s > 0 under both laws, whatever the masses
-        free, rubbed = (self.m.solve(d, law, (), mu) for mu in (arb(0), probe))
+        probe = t / 2 if sign(t - 1) < 0 else 1 / (2 * t)  # with which Γ_s > 0 under both laws, whatever the masses
+        free, rubbed = (self.m.solve(d, law, (), mu) for mu in (0 * t, probe))
         without, pressed = self._observed(free), self._observed(rubbed)
         split = Split.of(free.field, free.normal, rubbed.field, rubbed.normal, probe)
         return split, without, {name: split.part(without[name], pressed[name]) for name in OUTPUTS[:2]}
 
     def _bound(
-        self, modes: dict[str, Mode], name: str, surface: str, d: int, speed: float, side: int, leads: str
+        self, modes: dict[str, Mode], name: str, surface: str, d: int, speed: Any, side: int, leads: str
     ) -> None:
         """Let a mode lie above (``side`` 1) or below a sliding speed [m/s]."""
         row = sliding.speed_row(d, self.m.slip, self.m.d)
@@ -133,7 +135,7 @@ class LawModes(Modes):
         if m.command:
             return
         steady = self.name((m.turning, m.steady_law * m.turning, ()))
-        if f"{steady}_fast" in modes and double(friction.steady_speed(m.d)) > self.low:
+        if f"{steady}_fast" in modes and sign(double(friction.steady_speed(m.d)) - self.low) > 0:
             steady += "_fast"
         if steady not in modes:
             return
@@ -144,6 +146,11 @@ class LawModes(Modes):
             of_mode[half] = of_mode[steady]
 
 
+def _ends(speed: Any) -> bool:
+    """Whether a speed [m/s] is finite."""
+    return sign(np.isfinite(speed) * 1.0) > 0
+
+
 @once
 def automaton_of_parts(drive: Drive, resume: Resume) -> Automaton:
     """Return the automaton of a drive.
@@ -152,7 +159,7 @@ def automaton_of_parts(drive: Drive, resume: Resume) -> Automaton:
     cannot be separated in double precision.
     """
     with many_digits():
-        return _modes(drive, resume).automaton()
+        return modes_of(drive.exact(), drive.parts, resume).automaton()
 
 
 @once
@@ -162,12 +169,16 @@ def automaton_under_command(drive: Drive, command: Command, resume: Resume) -> A
     The clock, the last state, begins anew in each piece, so that no digits of Ω(t) are lost late.
     """
     with many_digits():
-        pieces = [(_modes(drive, resume, (arb(s), arb(a))), duration) for duration, s, a in command.pieces()]
-        return assemble(**one_after_the_other([(modes.layout(), duration) for modes, duration in pieces]))
+        d, pieces = drive.exact(), command.pieces()
+        layouts = [modes_of(d, drive.parts, resume, (arb(s), arb(a))).layout() for _, s, a in pieces]
+        durations = [duration for duration, _, _ in pieces]
+        return assemble(**one_after_the_other([*zip(layouts, durations, strict=True)]))
 
 
-def _modes(drive: Drive, resume: Resume, command: tuple[arb, arb] | None = None) -> Modes:
-    d = drive.exact()
-    if not friction.depends_on_speed(drive):
-        return Modes(Mechanism(d, drive.parts, d.steady_friction, command), resume)
-    return LawModes(Mechanism(d, drive.parts, friction.coefficient(d, arb(0)), command), drive, resume)
+def modes_of(
+    d: Any, parts: tuple[str, ...], resume: Resume = "contact_sign", command: tuple[arb, arb] | None = None
+) -> Modes:
+    """Return the modes of a drive from its parameters as balls, or of many from arrays; see ``Mechanism``."""
+    if not friction.depends_on_speed(d):
+        return Modes(Mechanism(d, parts, d.steady_friction, command), resume)
+    return LawModes(Mechanism(d, parts, friction.coefficient(d, 0 * d.pitch_radius), command), resume)

@@ -1,32 +1,27 @@
 """The tables of many drives at once, in plain arrays, from the formulas that make those of one.
 
 Drives whose tables differ in structure – in a sign, say – are divided into groups. A drive is *safe* if no sum in its
-formulas cancels by more than three decades, so that its tables hold to 1e-12; the others are made exactly, one by one,
-and so are drives whose friction depends on speed.
+formulas cancels by more than three decades, so that its tables hold to 1e-12; the others are made exactly, one by one.
 """
 
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from types import SimpleNamespace
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
-from lsvib.engine.automaton import DIMENSIONS, Automaton, one_of_many
-from lsvib.engine.exact.arithmetic import Divided
+from lsvib.engine.automaton import Automaton
+from lsvib.engine.exact.arithmetic import Divided, double
 from lsvib.engine.kernels import layout
-from lsvib.engine.kernels.layout import Tables
+from lsvib.engine.kernels.layout import DIMENSIONS, MODAL_DIMENSIONS, TAYLOR_DIMENSIONS, Tables, TaylorFlow
 from lsvib.errors import EngineError
 from lsvib.models import friction
 from lsvib.models.drive import DRY, PART_OF, Drive
+from lsvib.models.law_modes import modes_of
 from lsvib.models.mechanics import Coefficients, coefficients_of, steady_force
-from lsvib.models.mechanism import Mechanism
-from lsvib.models.model import automaton_of
-from lsvib.models.modes import Modes
+from lsvib.models.mechanism import seated, standing
 from lsvib.models.rigid import RigidBuild
-
-T = TypeVar("T")
 
 
 class ManyDrives:
@@ -46,18 +41,10 @@ class ManyDrives:
         return ManyDrives({name: column[entries] for name, column in self.values.items()})
 
     @property
-    def rigid(self) -> np.ndarray:
-        """Whether they are rigid drives (k), without parts and without friction against the ground."""
-        dry = [self.values[name] != 0 for name in DRY if name in self.values]
-        return ~np.any([*dry, np.full(self.size, not PART_OF.keys().isdisjoint(self.values))], axis=0)
-
-    def constant_friction(self, entries: np.ndarray) -> np.ndarray:
-        """Return those of some drives, by their indices (j), whose friction does not depend on speed.
-
-        The tables of the others are made exactly, one by one.
-        """
-        laws = [self.values[name][entries] for name in friction.OF_SPEED if name in self.values]
-        return entries[~np.any(laws, axis=0)] if laws else entries
+    def plain(self) -> np.ndarray:
+        """Whether they are rigid drives (k), without parts and friction against the ground, with constant friction."""
+        more = [self.values[name] != 0 for name in (*DRY, *friction.OF_SPEED) if name in self.values]
+        return ~np.any([*more, np.full(self.size, not PART_OF.keys().isdisjoint(self.values))], axis=0)
 
     def one(self, entry: int) -> Drive:
         """Return one of the drives."""
@@ -79,34 +66,49 @@ class Group:
     """Drives whose automata differ in doubles only.
 
     ``members`` (j) are their indices, and ``safe`` (j) says for which of them all holds to 1e-12; the others must be
-    made exactly. ``automaton``: its tables of doubles have an axis for the drives, the first; ``coefficients`` are
-    arrays (j); ``steady_force`` (j) [N], |N_0| of steady sliding.
+    made exactly. ``automaton``: its tables of doubles have an axis for the drives, the first; ``steady_force`` (j) [N],
+    |N_0| of steady sliding; ``seated`` and ``standing`` (j, n), the states of steady sliding, and of rest with the
+    coupling relaxed.
     """
 
     members: np.ndarray
     safe: np.ndarray
     automaton: Automaton
-    coefficients: Coefficients
     steady_force: np.ndarray
+    seated: np.ndarray
+    standing: np.ndarray
 
 
 def groups(drives: ManyDrives, entries: np.ndarray) -> Iterator[Group]:
-    """Yield some rigid drives, ``entries`` (j, indices), in groups, under a rule of resuming.
+    """Yield some drives, ``entries`` (j, indices), in groups.
 
-    Drives that are in no group must be made exactly, too.
+    Drives that are in no group must be made exactly, too. Raises ``InputError`` as the model does.
     """
 
-    def group(members: np.ndarray) -> Group:
+    def plain(members: np.ndarray) -> Group:
         d = drives.doubles(members)
         c = coefficients_of(d)
         automaton = _layered(RigidBuild(c, d).automaton(True, "contact_sign"), members.size)
-        return Group(members, _safe(c, d, automaton.tables), automaton, c, steady_force(c, d))
+        standing = np.stack(np.broadcast_arrays(-c.deflection, -d.input_speed), axis=-1)
+        states = np.zeros_like(standing), standing
+        return Group(members, _safe(c, d, automaton.tables), automaton, steady_force(c, d), *states)
 
-    yield from (found for _, found in _divided(drives.constant_friction(entries), group))
+    def general(members: np.ndarray) -> Group:
+        d = drives.doubles(members, np.longdouble)
+        modes = modes_of(d, parts)
+        automaton, m = _layered(modes.automaton(), members.size), modes.m
+        states = (np.broadcast_to(state(m), (members.size, len(m.states))) for state in (seated, standing))
+        return Group(members, _finite(automaton, members.size), automaton, double(m.steady_normal_force), *states)
+
+    is_plain = drives.plain[entries]
+    yield from _divided(entries[is_plain], plain)
+    if not is_plain.all():
+        parts = drives.one(int(entries[0])).parts
+        yield from _divided(entries[~is_plain], general)
 
 
-def _divided(entries: np.ndarray, make: Callable[[np.ndarray], T]) -> Iterator[tuple[np.ndarray, T]]:
-    """Divide drives until what is made of them has one structure; yields the members (j) with it."""
+def _divided(entries: np.ndarray, make: Callable[[np.ndarray], Group]) -> Iterator[Group]:
+    """Divide drives until what is made of them has one structure."""
     waiting = [entries] if entries.size else []
     while waiting:
         members = waiting.pop()
@@ -115,8 +117,10 @@ def _divided(entries: np.ndarray, make: Callable[[np.ndarray], T]) -> Iterator[t
                 made = make(members)
         except Divided as parts:
             waiting += [members[parts.signs == value] for value in np.unique(parts.signs)]
+        except EngineError:
+            continue  # rates that lie too far apart: made exactly, each says so itself
         else:
-            yield members, made
+            yield made
 
 
 def _safe(c: Coefficients, d: Any, tables: Tables) -> np.ndarray:
@@ -150,43 +154,29 @@ def _layered(automaton: Automaton, size: int) -> Automaton:
     """Give the tables that are the same for all drives of a group, being numbers, the axis for the drives, too."""
 
     def layers(table: np.ndarray, dimensions: int) -> np.ndarray:
+        if np.ndim(table) > dimensions:
+            return np.ascontiguousarray(table)
         # a copy, so that kernels see the same type of array for every group
-        return table if np.ndim(table) > dimensions else np.repeat(np.asarray(table)[None], size, axis=0)
+        return np.array(np.broadcast_to(table, (size, *np.shape(table))), order="C")
 
-    tables = {name: layers(getattr(automaton.tables, name), n) for name, n in {"flow": 2, **DIMENSIONS}.items()}
+    tables = {name: layers(getattr(automaton.tables, name), n) for name, n in DIMENSIONS.items() if name != "flow"}
+    flow = automaton.tables.flow
+    if isinstance(flow, np.ndarray):
+        tables["flow"] = layers(flow, DIMENSIONS["flow"])
+    else:
+        dimensions = TAYLOR_DIMENSIONS if isinstance(flow, TaylorFlow) else MODAL_DIMENSIONS
+        tables["flow"] = type(flow)(*map(layers, flow, dimensions))
     observables = {name: layers(table, 2) for name, table in automaton.observables.items()}
-    return replace(automaton, tables=automaton.tables._replace(**tables), observables=observables)
-
-
-def automata(drives: ManyDrives) -> Iterator[tuple[int, Drive, Automaton | None]]:
-    """Yield drives with the same parts by their indices, with their automata, whose tables hold to 1e-12.
-
-    Those with parts come in groups; what does not hold so many digits is made exactly.
-    The automaton is None if the engine has none. Raises ``InputError`` as the model does.
-    """
-    parts = drives.one(0).parts
-
-    def group(members: np.ndarray) -> Automaton:
-        d = drives.doubles(members, np.longdouble)
-        return Modes(Mechanism(d, parts, d.steady_friction)).automaton()
-
-    made: dict[int, Automaton] = {}
-    for members, found in _divided(drives.constant_friction(np.arange(drives.size if parts else 0)), group):
-        for place in np.flatnonzero(_finite(found, members.size)).tolist():
-            made[int(members[place])] = one_of_many(found, place)
-    for k in range(drives.size):
-        drive, automaton = drives.one(k), made.get(k)
-        if automaton is None:
-            with suppress(EngineError):  # rates that lie too far apart: nothing can be determined
-                automaton = automaton_of(drive)
-        yield k, drive, automaton
+    parts = {name: layers(table, 2) for name, table in automaton.parts.items()}
+    return replace(automaton, tables=automaton.tables._replace(**tables), observables=observables, parts=parts)
 
 
 def _finite(automaton: Automaton, size: int) -> np.ndarray:
     """Whether all tables of drives (j) hold: the formulas leave what does not as no finite number."""
-    found = np.isfinite(automaton.condition)
-    tables = [(getattr(automaton.tables, name), n) for name, n in DIMENSIONS.items()]
-    for table, dimensions in (*tables, *((rows, 2) for rows in automaton.observables.values())):
-        if np.ndim(table) > dimensions:
-            found &= np.isfinite(table).reshape(size, -1).all(axis=1)
-    return found
+    tables, flow = automaton.tables, automaton.tables.flow
+    held = [getattr(tables, name) for name in DIMENSIONS if name != "flow"]
+    # the last piece of a friction law has no end
+    held += [table for table in flow if table is not flow.pieces] if isinstance(flow, TaylorFlow) else flow
+    held += [*automaton.observables.values(), *automaton.parts.values()]
+    found = np.broadcast_to(np.isfinite(automaton.condition), (size,))
+    return np.logical_and.reduce([found, *(np.isfinite(table).reshape(size, -1).all(axis=1) for table in held)])

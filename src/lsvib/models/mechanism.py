@@ -46,7 +46,7 @@ from typing import Any
 import numpy as np
 
 from lsvib.engine.automaton import Row, scaled
-from lsvib.engine.exact.arithmetic import double, many_digits, nothing, root, sign
+from lsvib.engine.exact.arithmetic import double, doubles, many_digits, nothing, root, sign
 from lsvib.models import mechanics
 from lsvib.models.drive import PARTS, Drive
 from lsvib.models.mechanics import plus, solved, together
@@ -160,6 +160,11 @@ class Mechanism:
         inertias = None if "bearing" in held else d.screw_inertia, d.nut_inertia if "nut" in self.parts else None
         masses = None if "slide" in held else d.mass, d.screw_mass if "support" in self.parts else None
         return together(*inertias), together(*masses)
+
+    @property
+    def steady_normal_force(self) -> Any:
+        """Return |N_0| of steady sliding [N]."""
+        return abs(self.force / (self.d.cos_lead + self.steady_law * self.d.steady_friction * self.d.sin_lead))
 
     def rates(self, slips: bool, held: Iterable[str]) -> dict[str, Row]:
         """Return the rows of θ′, x_1′, θ_2′ and e′ by part, which rest and bodies that are held tie to each other."""
@@ -353,37 +358,41 @@ class Mechanism:
 
 def seated(mechanism: Mechanism) -> np.ndarray:
     """Return the state of steady sliding: compliant threads are compressed by N_0, all else is measured from it."""
-    state, d = np.zeros(len(mechanism.states)), mechanism.d
+    state, d = [0] * len(mechanism.states), mechanism.d
     if mechanism.compliant:
         share = d.cos_lead + mechanism.steady_law * d.steady_friction * d.sin_lead
-        state[mechanism.place["threads"]] = double(mechanism.force / (share * d.cos_lead * d.contact_stiffness))
-    return state
+        state[mechanism.place["threads"]] = mechanism.force / (share * d.cos_lead * d.contact_stiffness)
+    return doubles(state, (len(state),))
 
 
-@many_digits()
-def standing_state(drive: Drive) -> np.ndarray:
+def standing(m: Mechanism) -> np.ndarray:
     """Return the state in which the screw stands with the coupling relaxed, as before the motor is switched on.
 
     The threads carry no torque; what lets the load move along carries R, less what the slide may hold of it.
     """
-    d = drive.exact()
-    m = Mechanism(d, drive.parts, d.steady_friction)
-    state = np.zeros(len(m.states))
-    state[:2] = double(-m.deflection[-1]), double(-d.input_speed)
+    d, state = m.d, list[Any]([0] * len(m.states))
+    state[:2] = -m.deflection[-1], -d.input_speed
     left = abs(d.axial_force) - m.limits.get("slide", 0)
     contact = left * sign(d.axial_force) if sign(left) > 0 else 0
     for part in m.bodies:
         load, carried = {"contact": (m.force, contact), "torque": (m.twist, 0)}.get(BODIES[part].pushed, (0, 0))
         place = m.place[part]
-        state[place] = double((carried - load) / getattr(d, PARTS[part][1]))
+        state[place] = (carried - load) / getattr(d, PARTS[part][1])
         if BODIES[part].on == "screw":
-            state[place : place + 2] += state[:2]
+            state[place], state[place + 1] = state[place] + state[0], state[place + 1] + state[1]
         elif part == "motor":  # which stands, too, and whose controller has seen no error
-            state[place : place + 2] = double(m.steady_torque / d.integral_gain), state[1]
-            state[0] += state[place]
+            state[place : place + 2] = m.steady_torque / d.integral_gain, state[1]
+            state[0] = state[0] + state[place]
     if m.compliant:
-        state[m.place["threads"]] = double(contact / d.contact_stiffness)
-    return state
+        state[m.place["threads"]] = contact / d.contact_stiffness
+    return doubles(state, (len(state),))
+
+
+@many_digits()
+def standing_state(drive: Drive) -> np.ndarray:
+    """Return the state of :func:`standing` of a drive."""
+    d = drive.exact()
+    return standing(Mechanism(d, drive.parts, d.steady_friction))
 
 
 @many_digits()

@@ -40,7 +40,7 @@ from lsvib.engine.automaton import (
     assemble,
     scaled,
 )
-from lsvib.engine.exact.arithmetic import Divided, double, sign
+from lsvib.engine.exact.arithmetic import double, place_of_largest, sign
 from lsvib.engine.exact.modal_form import linear_mode
 from lsvib.engine.exact.taylor_form import TaylorMode, still_mode
 from lsvib.engine.kernels.layout import Test
@@ -69,7 +69,7 @@ class Modes:
         self.resume = resume
         self.codes = {name: code for code, name in enumerate(mode_names(m.own, m.sides))}
         self.low, self.high = self._speeds_without_paradox()  # [m/s]
-        self.paradox = self.low > 0
+        self.paradox = sign(self.low) > 0
         self.seizes = self.paradox and not m.compliant
         self._refuse()
         directions = [(d, q) for d in DIRECTIONS for q in SIGNS if not self.seizes or d * q < 0]
@@ -81,7 +81,7 @@ class Modes:
         self._flows: dict[tuple[int, int, Ways], Any] = {}
         self._solve, self._left, self._carries = cache(m.solve), cache(m.left), cache(self._ways_to_carry)
 
-    def _speeds_without_paradox(self) -> tuple[float, float]:
+    def _speeds_without_paradox(self) -> tuple[Any, Any]:
         inertia, mass = self.m.effective()
         return (math.inf if sign(inertia - self.m.turned * mass, "mass") <= 0 else 0.0), math.inf
 
@@ -144,7 +144,7 @@ class Modes:
             transitions=self.transitions,
             observables={name: {mode: rows[name] for mode, rows in seen.items()} for name in OUTPUTS},
             parts=parts,
-            shortest_stay=SHORT_STAY * np.min(scales, axis=0),
+            shortest_stay=SHORT_STAY * np.minimum.reduce(np.broadcast_arrays(*scales)),
             rest_codes=tuple(self.codes[self.name(key)] for key in self.rests),
             release_kinds=(Event.RELEASE,),
             **facts,
@@ -180,11 +180,7 @@ class Modes:
         The rounding of another one would be amplified by the ratio of their effects.
         """
         if snap is None:
-            weights = [abs(double(x)) * size for x, size in zip(row, self.m.sizes, strict=False)]
-            most = np.argmax(np.broadcast_arrays(*weights), axis=0)
-            if np.ndim(most) and (most != most.flat[0]).any():
-                raise Divided(most)
-            snap = int(np.ravel(most)[0])
+            snap = place_of_largest([abs(double(x)) * size for x, size in zip(row, self.m.sizes, strict=False)])
         self.surfaces[surface] = Surface(row, snap)
         return Guard(surface, side, transition)
 

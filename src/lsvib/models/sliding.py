@@ -6,23 +6,41 @@ vibration then has events, and so a Poincaré map.
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from itertools import pairwise
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
 from lsvib.engine.automaton import Branch, Guard, Mode, Surface, Transition, scaled
-from lsvib.engine.exact.arithmetic import double, many_digits, sign
+from lsvib.engine.exact.arithmetic import Divided, double, doubles, many_digits, sign
 from lsvib.engine.exact.taylor_form import settled_region
 from lsvib.engine.kernels.layout import CONSTANT, EXPONENT, FADE, LINEAR, PIECE, RISE, TO, Test
-from lsvib.models.drive import Drive
+from lsvib.models import friction
 from lsvib.models.friction import unbounded_coefficient
 from lsvib.numbers import bisected
 
+_LAW = ("friction_coefficient", *friction.NAMES)
 
-def pieces_of(drive: Drive) -> np.ndarray:
+
+def of_law(found: Callable[..., Any], d: Any, *more: Any) -> np.ndarray:
+    """Return what a function finds for the friction law ``d`` and ``more`` numbers, as an array.
+
+    Of many laws, arrays of parameters (k), it has one more axis, the first; raises ``Divided`` where shapes differ.
+    """
+    columns = np.broadcast_arrays(*(double(getattr(d, name)) for name in _LAW), *more)
+    rows, which = np.unique(np.stack(columns, axis=-1).reshape(-1, len(columns)), axis=0, return_inverse=True)
+    split = [(SimpleNamespace(**dict(zip(_LAW, row, strict=False))), row[len(_LAW) :]) for row in rows.tolist()]
+    answers = [np.array(found(law, *others)).reshape(-1, 2 if more else PIECE) for law, others in split]
+    sizes = np.array([len(answer) for answer in answers])[which.ravel()]
+    if (sizes != sizes[0]).any():
+        raise Divided(sizes)
+    return np.array(answers)[which.ravel()].reshape(*columns[0].shape, *answers[0].shape)
+
+
+def pieces_of(drive: Any) -> np.ndarray:
     """Return the pieces of the friction law of a drive (p, columns as of ``TaylorFlow``)."""
     piece = np.zeros(PIECE)
     piece[CONSTANT], piece[LINEAR] = drive.friction_coefficient, drive.friction_slope
@@ -41,7 +59,7 @@ def pieces_of(drive: Drive) -> np.ndarray:
     return np.array([piece, zero])
 
 
-def speeds_below(drive: Drive, level: float) -> list[tuple[float, float]]:
+def speeds_below(drive: Any, level: float) -> list[tuple[float, float]]:
     """Return the intervals of sliding speed [m/s] in which the coefficient is below a level, in ascending order."""
     if math.isinf(level):
         return [(0.0, math.inf)]
@@ -71,7 +89,7 @@ def critical_coefficient(inertia: Any, d: Any, mass: Any) -> float:
         return double((inertia + turned * d.tan_lead**2) / (heavy * d.tan_lead))
 
 
-def _turning_speeds(drive: Drive) -> list[float]:
+def _turning_speeds(drive: Any) -> list[float]:
     """Speeds at which the slope of the law changes its sign."""
     rise, speed, slope = drive.stribeck_rise, drive.stribeck_speed, drive.friction_slope
     if not rise or slope <= 0:
@@ -90,11 +108,11 @@ def _turning_speeds(drive: Drive) -> list[float]:
     return [speed * bisected(falls, 0.0, crest), speed * bisected(lambda x: not falls(x), crest, 30.0)]
 
 
-def _mu(drive: Drive, speed: float) -> float:
+def _mu(drive: Any, speed: float) -> float:
     return max(unbounded_coefficient(drive, speed), 0.0)
 
 
-def _root(drive: Drive, level: float, low: float, high: float) -> float:
+def _root(drive: Any, level: float, low: float, high: float) -> float:
     begins_below = unbounded_coefficient(drive, low) < level
     return bisected(lambda v: (unbounded_coefficient(drive, v) < level) != begins_below, low, high)
 
@@ -114,7 +132,7 @@ def divided(
     The region that no motion leaves goes into both halves (:func:`lsvib.engine.exact.taylor_form.settled_region`).
     """
     slow, mode, n = f"{name}_slow", modes[name], len(next(iter(surfaces.values())).row) - 1
-    rows = [np.array(scaled(surfaces[guard.surface].row, guard.sign), dtype=float) for guard in mode.guards]
+    rows = [doubles(scaled(surfaces[guard.surface].row, guard.sign), (n + 1,)) for guard in mode.guards]
     flow = replace(mode.flow, settled=settled_region(mode.flow, rows, np.zeros(n) if steady is None else steady))
     deviation = tuple(1 if i == 1 else 0 for i in range(n + 1))
     surfaces["passage"] = Surface(deviation, 1)

@@ -75,5 +75,12 @@ def derivative(kind, flow, mode, start, time, out, size):
     return 0
 
 
+@allocating_entry
+def extremes(kind, inner, flow, modes, starts, durations, functionals):
+    """Return what ``event_loop.extremes_of_arcs`` does, whose address is ``inner``."""
+    return event_loop.extremes_at(inner, _own(kind, flow), modes, starts, durations, functionals)
+
+
 run_at = by_address(run, types.UniTuple(types.int64, 3))
 derivative_at = by_address(derivative, types.int64)
+extremes_at = by_address(extremes, types.UniTuple(types.float64, 2))

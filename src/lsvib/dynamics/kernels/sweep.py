@@ -1,4 +1,4 @@
-"""Where motions of many drives with two states end, by the rule of :mod:`lsvib.dynamics.kernels.attractor`."""
+"""Where motions of many drives with the same parts end, by the rule of :mod:`lsvib.dynamics.kernels.attractor`."""
 
 import math
 from typing import NamedTuple
@@ -6,53 +6,25 @@ from typing import NamedTuple
 import numpy as np
 
 from lsvib.dynamics.kernels.attractor import NOTES, Asked, Found, Records, end_of
-from lsvib.dynamics.kernels.machine import AnyFlow, Machine
+from lsvib.dynamics.kernels.machine import AnyFlow, Machine, extremes_at
 from lsvib.dynamics.kernels.single_mode import Outcome
-from lsvib.engine.kernels import event_loop, search_planar
+from lsvib.engine.kernels import event_loop
 from lsvib.engine.kernels.jit import allocating_entry, allocating_kernel, by_address
-from lsvib.engine.kernels.layout import Tables
+from lsvib.engine.kernels.layout import ModalFlow, Tables, TaylorFlow
 
-NUMBERS = np.dtype([(name, np.float64) for name in ("amplitude", "period", "multiplier", "force", "seizure_speed")])
+NUMBERS = np.dtype([(name, np.float64) for name in ("amplitude", "period", "force", "impulse")])
 end_of_at = by_address(end_of)
 SPRAGS, RESTS, REVERSES = 1, 2, 4  # bits that say what happens on a cycle
 
 
-@allocating_kernel
-def _describe(tables, rule, reversal, found, force, speed, numbers):
-    """Write the numbers of a cycle, a period of which is on record; returns the bits of what happens on it.
-
-    ``reversal``: kind of an event that reverses the contact force; ``force`` (m, 3), that observable; ``speed`` [rad/s]
-    of the motor.
-    """
-    times, kinds, _, modes, before, after = rule.records.one
-    facts = rule.asked.facts
-    count, mode, time, state, row = found.notes[0]["events"], found.notes[0]["mode"], 0.0, np.empty(2), np.zeros(3)
-    low, high, least, most, fastest = math.inf, -math.inf, math.inf, -math.inf, 0.0
-    row[0] = 1.0
-    state[0], state[1] = found.state[0], found.state[1]
-    bits = RESTS if facts.rests[mode] else 0
-    for k in range(count):
-        a, b = search_planar.extremes(tables.flow.planar, mode, state, row, times[k] - time)
-        low, high = min(low, a), max(high, b)
-        a, b = search_planar.extremes(tables.flow.planar, mode, state, force[mode], times[k] - time)
-        least, most = min(least, a), max(most, b)
-        time, mode, state[0], state[1] = times[k], modes[k], after[k, 0], after[k, 1]
-        bits |= (RESTS if facts.rests[mode] else 0) | (REVERSES if kinds[k] == reversal else 0)
-        if facts.sprag_kinds[kinds[k]]:
-            bits |= SPRAGS
-            fastest = max(fastest, abs(speed + before[k, 1]))
-    numbers["period"], numbers["seizure_speed"] = time, fastest
-    numbers["multiplier"] = found.slopes[0, 0] if found.notes[0]["dimension"] > 0 else 0.0
-    bounded = math.isfinite(low + high + least + most)
-    numbers["amplitude"] = 0.5 * (high - low) if bounded else math.nan
-    numbers["force"] = max(abs(least), abs(most)) if bounded else math.nan
-    return bits
-
-
 class Rule(NamedTuple):
-    """How motions are followed: the address of ``end_of``, the engine, what is asked, work for each in events, room."""
+    """How motions are followed: the address of ``end_of``, the engine, what is asked, work for each in events, room.
+
+    ``extremes``: addresses of ``machine.extremes`` and of what it calls.
+    """
 
     address: int
+    extremes: tuple[int, int]
     engine: Machine
     asked: Asked
     work: float
@@ -63,9 +35,10 @@ class Drives(NamedTuple):
     """Many drives: tables whose doubles have a first axis (k) for them, and what differs from drive to drive."""
 
     tables: Tables
-    starts: np.ndarray  # (k, 2)
-    force: np.ndarray  # (k, m, 3) normal force as an observable
-    speed: np.ndarray  # (k,) [rad/s]
+    starts: np.ndarray  # (k, n)
+    force: np.ndarray  # (k, m, n + 1 or 2 n + 2) normal force as an observable
+    angle: np.ndarray  # (m, n + 1) the deviation u as an observable
+    impulse: np.ndarray  # (k, n) by which the state jumps in a seizure [N s] for each unit of it
 
 
 class Answers(NamedTuple):
@@ -74,17 +47,73 @@ class Answers(NamedTuple):
     outcomes: np.ndarray  # (k,)
     bits: np.ndarray  # (k,) what happens on a cycle
     numbers: np.ndarray  # (k,) of ``NUMBERS``
+    slopes: np.ndarray  # (k, n, n) P′ of the return map, zero beyond its dimension
+
+
+@allocating_kernel
+def _describe(tables, rule, reversal, found, drives, k, numbers, slopes):
+    """Write the numbers of a cycle, a period of which is on record; returns the bits of what happens on it.
+
+    ``reversal``: kind of an event that reverses the contact force; ``k``, the number of the drive.
+    """
+    times, kinds, _, modes, before, after = rule.records.one
+    facts, note, n = rule.asked.facts, found.notes[0], found.state.size
+    count, mode, time, hardest = note["events"], note["mode"], 0.0, 0.0
+    at, starts, stays = np.empty(count, dtype=np.int64), np.empty((count, n)), np.empty(count)
+    bits = RESTS if facts.rests[mode] else 0
+    for i in range(count):
+        at[i], stays[i] = mode, times[i] - time
+        for x in range(n):
+            starts[i, x] = after[i - 1, x] if i else found.state[x]
+        time, mode = times[i], modes[i]
+        bits |= (RESTS if facts.rests[mode] else 0) | (REVERSES if kinds[i] == reversal else 0)
+        bits |= SPRAGS if facts.sprag_kinds[kinds[i]] or facts.sprag_modes[mode] else 0
+        if facts.sprag_kinds[kinds[i]]:
+            impulse = 0.0
+            for x in range(n):
+                impulse += drives.impulse[k, x] * (before[i, x] - after[i, x])
+            hardest = max(hardest, abs(impulse))
+    address, inner = rule.extremes
+    low, high = extremes_at(address, inner, tables.flow, at, starts, stays, drives.angle)
+    least, most = extremes_at(address, inner, tables.flow, at, starts, stays, drives.force[k])
+    numbers["period"], numbers["impulse"] = time, hardest
+    bounded = math.isfinite(low + high + least + most)
+    numbers["amplitude"] = 0.5 * (high - low) if bounded else math.nan
+    numbers["force"] = max(abs(least), abs(most)) if bounded else math.nan
+    for i in range(note["dimension"]):
+        for j in range(note["dimension"]):
+            slopes[i, j] = found.slopes[i, j]
+    return bits
+
+
+@allocating_kernel
+def _flow_of(flow, k):
+    """Return the flow of one of many drives."""
+    planar, modal, taylor = flow
+    return AnyFlow(
+        planar[k],
+        ModalFlow(
+            modal.pairs[k], modal.singles[k], modal.oscillators[k], modal.rates[k], modal.pushes[k], modal.to_modal[k],
+            modal.from_modal[k], modal.field[k],
+        ),
+        TaylorFlow(
+            taylor.field[k], taylor.push[k], taylor.contact[k], taylor.speed[k], taylor.feedback[k],
+            taylor.piece_start[k], taylor.pieces[k], taylor.settled_place[k], taylor.settled_form[k],
+            taylor.settled_level[k],
+        ),
+    )  # fmt: skip
 
 
 @allocating_entry
 def ends_of_many(rule, drives, members, reversal, answers):
     """Follow the motions of many drives, each from its own start; ``members`` (j) are those that are wanted."""
-    many, (outcomes, bits, numbers) = drives.tables, answers
-    found = Found(np.zeros(1, dtype=NOTES), np.zeros(2), np.zeros((2, 2)))
-    state, scale = np.empty(2), np.empty(2)
+    many, (outcomes, bits, numbers, slopes) = drives.tables, answers
+    n = drives.starts.shape[1]
+    found = Found(np.zeros(1, dtype=NOTES), np.zeros(n), np.zeros((n, n)))
+    state, scale = np.empty(n), np.empty(n)
     for k in members:
         tables = Tables(
-            flow=AnyFlow(many.flow.planar[k], many.flow.modal, many.flow.taylor),
+            flow=_flow_of(many.flow, k),
             surfaces=many.surfaces[k],
             snap=many.snap,
             guard_start=many.guard_start,
@@ -104,7 +133,7 @@ def ends_of_many(rule, drives, members, reversal, answers):
             beyond_accumulation=many.beyond_accumulation,
             shortest_stay=many.shortest_stay[k],
         )
-        for i in range(2):
+        for i in range(n):
             state[i], scale[i] = drives.starts[k, i], abs(drives.starts[k, i])
         found.notes[0]["left"], bits[k] = rule.work, 0
         branch = event_loop.choose_branch(tables, 0, state, scale)
@@ -113,4 +142,4 @@ def ends_of_many(rule, drives, members, reversal, answers):
             mode = tables.branch_mode[branch]
             outcomes[k] = end_of_at(rule.address, rule.engine, tables, rule.asked, mode, state, rule.records, found)
         if outcomes[k] == Outcome.CYCLE:
-            bits[k] = _describe(tables, rule, reversal, found, drives.force[k], drives.speed[k], numbers[k])
+            bits[k] = _describe(tables, rule, reversal, found, drives, k, numbers[k], slopes[k])

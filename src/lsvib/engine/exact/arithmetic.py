@@ -122,8 +122,16 @@ def added(*terms: Number) -> Number:
     if isinstance(total, np.ndarray):
         size = np.maximum.reduce(np.broadcast_arrays(*map(np.abs, there)))
         left, eps = np.abs(total), np.finfo(total.dtype).eps
-        return np.where(left <= 8 * eps * size, 0, np.where(left < 1e13 * eps * size, np.nan, total))
+        return np.where(left <= 256 * eps * size, 0, np.where(left < 1e13 * eps * size, np.nan, total))
     return total
+
+
+def place_of_largest(sizes: Sequence[Any]) -> int:
+    """Return the place of the largest of some doubles, or arrays of them; raises :class:`Divided` if these differ."""
+    most = np.ravel(np.argmax(np.broadcast_arrays(*sizes), axis=0))
+    if (most != most[0]).any():
+        raise Divided(most)
+    return int(most[0])
 
 
 def nothing(number: Number) -> bool:

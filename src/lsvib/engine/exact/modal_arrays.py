@@ -102,13 +102,24 @@ def modal_modes(rows: Sequence[Sequence[Any]], sizes: Sequence[Any], kept: Mappi
 def _eigenvectors(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Return rates (k, n), left rows (k, n, n), right vectors (k, n, n) of matrices (k, n, n), and which hold (k).
 
-    Rates with a positive imaginary part come first, then real ones; one that is zero is so to the last bit.
+    Rates with a positive imaginary part come first, then real ones; those that are zero are so to the last bit. Several
+    of zero have any vectors that span their space.
     """
     rates, right = np.linalg.eig(matrix.astype(float))
     rates, right = rates.astype(np.clongdouble), right.astype(np.clongdouble)
+    sizes = np.abs(rates)
+    small = sizes <= 1e-12 * sizes.max(axis=1, keepdims=True)  # zero, as far as doubles can say
+    rates = np.where(small, 0, rates)
     kind = np.select([rates.imag > 0, rates.imag == 0], [0, 1], 2)
     order = np.lexsort((np.where(kind == 1, -rates.real, rates.imag), kind))
     rates, right = np.take_along_axis(rates, order, 1), np.take_along_axis(right, order[:, None, :], 2)
+    small = np.take_along_axis(small, order, 1)
+    for many in set(small.sum(axis=1).tolist()) - {0, 1}:  # of which LAPACK gives no vectors that are independent
+        here = small.sum(axis=1) == many
+        own = np.swapaxes(right[here], 1, 2)
+        own[small[here]] = np.linalg.svd(matrix[here].astype(float))[2][:, -many:].reshape(-1, matrix.shape[1])
+        right[here] = np.swapaxes(own, 1, 2)
+    both = small[:, :, None] & small[:, None, :]
     real, unit = rates.imag == 0, np.eye(matrix.shape[1])
     with np.errstate(all="ignore"):
         try:
@@ -119,24 +130,25 @@ def _eigenvectors(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarra
             left = left @ (2 * unit - right @ left)
             turned = left @ matrix @ right
             rates = np.einsum("kii->ki", turned)
-            step = np.where(unit == 1, 0, turned / (rates[:, None, :] - rates[:, :, None]))
+            step = np.where(both | (unit == 1), 0, turned / (rates[:, None, :] - rates[:, :, None]))
             right = right + right @ step
             left = left - step @ left
         left = left @ (2 * unit - right @ left)
         sizes = np.abs(rates)
         error = _EPS * np.einsum("kij,kjl,kli->ki", np.abs(left), np.abs(matrix), np.abs(right))
-        # A coordinate that does not move, or on which nothing depends, has a rate of zero.
-        empty = ((matrix == 0).all(axis=1) | (matrix == 0).all(axis=2)).sum(axis=1)
-        zero = real & (sizes == sizes.min(axis=1, keepdims=True)) & (empty == 1)[:, None]
-        held = (zero | (error <= _HELD * sizes)).all(axis=1) & (empty <= 1)
+        # Rates of zero are nothing but rounding, and several have no chain.
+        left_over = np.abs(left @ matrix @ right) > _NOTHING * sizes.max(axis=1)[:, None, None]
+        held = ~(both & left_over).any(axis=(1, 2)) & (small | (error <= _HELD * sizes)).all(axis=1)
         held &= (np.abs(step) < 1e-6).all(axis=(1, 2))  # the square of the last step is what is left to do
         held &= (real | (np.abs(rates.imag) >= _ROUND * sizes)).all(axis=1)
-        # whether a pair is damped at all is for balls to say
-        held &= (real | (np.abs(rates.real) > 1e9 * error)).all(axis=1)
+        # Whether a pair is damped at all the trace says, if all other rates are zero; elsewhere that is for balls.
+        lone = ((rates.imag > 0).sum(axis=1) == 1) & (small | ~real).all(axis=1)
+        rates.real = np.where(lone[:, None] & ~real, np.einsum("kii->k", matrix)[:, None] / 2, rates.real)
+        held &= lone | (real | (np.abs(rates.real) > 1e9 * error)).all(axis=1)
         gaps = np.abs(rates[:, :, None] - rates[:, None, :])
         near = gaps <= np.where(real[:, :, None] & real[:, None, :], APART, _ROUND) * sizes[:, :, None]
-    held &= ~(near & (unit == 0)).any(axis=(1, 2))
-    rates = np.where(zero, 0, np.where(real, rates.real, rates))
+    held &= ~(near & ~both & (unit == 0)).any(axis=(1, 2))
+    rates = np.where(small, 0, np.where(real, rates.real, rates))
     return rates, left, right, held
 
 

@@ -1,13 +1,12 @@
 """The tables of a mode whose friction depends on the sliding speed, from its fields with two constant coefficients."""
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
-from lsvib.engine.exact.arithmetic import ball, doubles
+from lsvib.engine.exact.arithmetic import added, double, doubles, place_of_largest
 from lsvib.engine.kernels.layout import CONSTANT, EXPONENT, FADE, FROM, LINEAR, PIECE, RISE, TO, TaylorFlow
 
 Row = Sequence[Any]
@@ -18,23 +17,24 @@ class TaylorMode:
     """One mode of a :class:`lsvib.engine.kernels.layout.TaylorFlow`: its tables in doubles.
 
     ``pieces`` (p, PIECE), none where the mode does not slip. ``settled``: x₀, S and L of the region that no motion
-    leaves.
+    leaves. Of many drives any table may have one more axis for them, the first.
     """
 
     field: np.ndarray
     push: np.ndarray
     contact: np.ndarray
     speed: np.ndarray
-    feedback: float = 0.0
+    feedback: Any = 0.0
     pieces: np.ndarray = field(default_factory=lambda: np.zeros((0, PIECE)))
-    settled: tuple[np.ndarray, np.ndarray, float] | None = None
+    settled: tuple[np.ndarray, np.ndarray, Any] | None = None
     condition: float = 1.0
 
     @property
-    def time_scales(self) -> tuple[float, ...]:
+    def time_scales(self) -> tuple[Any, ...]:
         """Return the shortest time [s] of the motion without friction, over a radian."""
-        fastest = np.abs(np.linalg.eigvals(self.field[:, :-1])).max()
-        return (1 / float(fastest) if fastest > 0 else math.inf,)
+        fastest = np.abs(np.linalg.eigvals(_numbers(self.field[..., :-1]))).max(axis=-1)
+        with np.errstate(divide="ignore"):
+            return (1 / fastest,)
 
 
 def still_mode(rows: Sequence[Row]) -> TaylorMode:
@@ -61,19 +61,16 @@ class Split:
     @classmethod
     def of(cls, free: Sequence[Row], contact: Row, rubbed: Sequence[Row], pressed: Row, probe: Any) -> "Split":
         """Split the fields and contact forces without friction (``free``, ``contact``) and with the coefficient μ."""
-        place = max(range(len(contact)), key=lambda j: abs(float(contact[j])))
-        feedback = (ball(contact[place]) / pressed[place] - 1) / probe
-        share = probe / (1 + feedback * probe)
-        push = tuple(
-            (ball(row[place]) - ball(other[place])) / (share * contact[place])
-            for row, other in zip(rubbed, free, strict=True)
-        )
+        place = place_of_largest([abs(double(x)) for x in contact])
+        feedback = added(contact[place] / pressed[place], -1) / probe
+        share = probe / (1 + feedback * probe) * contact[place]
+        push = tuple(added(row[place], -other[place]) / share for row, other in zip(rubbed, free, strict=True))
         return cls(tuple(free), contact, probe, feedback, push)
 
     def part(self, without: Row, rubbed: Row) -> tuple[Any, ...]:
         """Return the row that counts η times of a quantity, from its rows without friction and with the probe."""
         share = self.probe / (1 + self.feedback * self.probe)
-        return tuple((ball(y) - ball(x)) / share for x, y in zip(without, rubbed, strict=True))
+        return tuple(added(y, -x) / share for x, y in zip(without, rubbed, strict=True))
 
     def mode(self, speed: Row, pieces: np.ndarray) -> TaylorMode:
         """Return the mode whose sliding speed is the row ``speed`` [m/s], under the ``pieces`` of a law."""
@@ -83,92 +80,125 @@ class Split:
             push=doubles(self.push, (n,)),
             contact=doubles(self.contact, (n + 1,)),
             speed=doubles(speed, (n + 1,)),
-            feedback=float(self.feedback),
+            feedback=double(self.feedback),
             pieces=pieces,
         )
 
 
 def taylor_flow(modes: Sequence[TaylorMode]) -> TaylorFlow:
-    """Return the flow tables of some modes."""
-    n = len(modes[0].push)
-    settled = [mode.settled or (np.zeros(n), np.zeros((n, n)), -1.0) for mode in modes]
-    alike = ("field", "push", "contact", "speed", "feedback")
+    """Return the flow tables of some modes, of many drives with one more axis for them, the first."""
+    n = modes[0].push.shape[-1]
+    none = np.zeros(n), np.zeros((n, n)), -1.0
+    pieces, many = [mode.pieces for mode in modes], np.broadcast_shapes(*(mode.pieces.shape[:-2] for mode in modes))
+    places, forms, levels = zip(*(mode.settled or none for mode in modes), strict=True)
     return TaylorFlow(
-        **{name: np.array([getattr(mode, name) for mode in modes]) for name in alike},
-        piece_start=np.cumsum([0, *(len(mode.pieces) for mode in modes)]).astype(np.int64),
-        pieces=np.concatenate([mode.pieces for mode in modes]),
-        settled_place=np.array([place for place, _, _ in settled]),
-        settled_form=np.array([form for _, form, _ in settled]),
-        settled_level=np.array([level for _, _, level in settled]),
+        field=_together([mode.field for mode in modes], 2),
+        push=_together([mode.push for mode in modes], 1),
+        contact=_together([mode.contact for mode in modes], 1),
+        speed=_together([mode.speed for mode in modes], 1),
+        feedback=_together([mode.feedback for mode in modes], 0),
+        piece_start=np.cumsum([0, *(own.shape[-2] for own in pieces)]).astype(np.int64),
+        pieces=np.concatenate([np.broadcast_to(own, (*many, *own.shape[-2:])) for own in pieces], axis=-2),
+        settled_place=_together(places, 1),
+        settled_form=_together(forms, 2),
+        settled_level=_together(levels, 0),
     )
+
+
+def _together(tables: Sequence[Any], dimensions: int) -> np.ndarray:
+    """Put tables of so many dimensions for one drive together along a new axis before these."""
+    return np.stack(np.broadcast_arrays(*tables), axis=-1 - dimensions)
 
 
 def settled_region(
     mode: TaylorMode, guards: Sequence[np.ndarray], place: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, float]:
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return x₀, S (n, n) and a level L such that a motion with yᵀ S y ≤ L, y = x − x₀, stays near x₀ for ever.
 
     ``guards`` (n + 1 each) are positive in the mode, and ``place`` (n) is x₀, its equilibrium. With the linear field A
     there, Aᵀ S + S A = −W, and what is left of the field, d (Δη q̃ + q₀ (Δη − η′ σ̃)), is bounded by the first two
     derivatives of η: yᵀ S y falls as long as it is below L. L is zero where x₀ is not stable, so that only x₀ stays.
+    Of many drives all may have one more axis for them, the first.
     """
-    n, whole = len(mode.push), np.append(place, 1.0)
-    sigma = float(mode.speed @ whole)
-    piece = mode.pieces[np.searchsorted(mode.pieces[1:, FROM], sigma, side="right")]
+    n, whole = mode.push.shape[-1], np.append(place, np.ones((*place.shape[:-1], 1)), axis=-1)
+    sigma = _dot(mode.speed, whole)
+    piece = _piece_at(mode.pieces, sigma)
     mu, first = _law(piece, sigma)
+    rise, fade, feedback = piece[..., RISE], piece[..., FADE], np.asarray(mode.feedback)
     # bounds of both derivatives on the piece
-    steep, bent = abs(piece[LINEAR]) + piece[RISE] * piece[FADE], 2 * piece[RISE] * piece[FADE] ** 2
-    one = 1 + mode.feedback * mu
-    reach = min(sigma / 2, abs(one) / max(2 * abs(mode.feedback) * steep, 1e-300), sigma - piece[FROM])
-    reach = min(reach, piece[TO] - sigma)
+    steep, bent = abs(piece[..., LINEAR]) + rise * fade, 2 * rise * fade**2
+    one = 1 + feedback * mu
+    reaches = sigma / 2, abs(one) / np.maximum(2 * abs(feedback) * steep, 1e-300), sigma - piece[..., FROM]
+    reach = np.minimum.reduce(np.broadcast_arrays(*reaches, piece[..., TO] - sigma))
     slope = first / one**2
-    steep, bent = 4 * steep / one**2, 4 * bent / one**2 + 16 * abs(mode.feedback) * steep**2 / abs(one) ** 3
-    force = float(mode.contact @ whole)
-    matrix = mode.field[:, :-1] + np.outer(mode.push, mu / one * mode.contact[:-1] + slope * force * mode.speed[:-1])
-    if np.linalg.eigvals(matrix).real.max() >= 0 or reach <= 0:
-        return place, np.eye(n), 0.0
-    sizes = np.abs(np.linalg.eig(matrix)[1]).max(axis=1)  # of the coordinates to each other
-    weight = np.diag(1 / sizes**2)
-    unit = np.eye(n)
-    flat = np.kron(unit, matrix.T) + np.kron(matrix.T, unit)
-    form = np.linalg.solve(flat, -weight.ravel()).reshape(n, n)
-    form = (form + form.T) / 2
-    if np.linalg.eigvalsh(form).min() <= 0:
-        return place, np.eye(n), 0.0
+    steep, bent = 4 * steep / one**2, 4 * bent / one**2 + 16 * abs(feedback) * steep**2 / abs(one) ** 3
+    force, unit = _dot(mode.contact, whole), np.eye(n)
+    pressed = (mu / one)[..., None] * mode.contact[..., :-1] + (slope * force)[..., None] * mode.speed[..., :-1]
+    matrix = _numbers(mode.field[..., :-1] + mode.push[..., :, None] * pressed[..., None, :])
+    stable = (reach > 0) & (np.linalg.eigvals(matrix).real.max(axis=-1) < 0)
+    matrix = np.where(stable[..., None, None], matrix, -unit)
+    sizes = np.abs(np.linalg.eig(matrix)[1]).max(axis=-1)  # of the coordinates to each other
+    weight = unit / sizes[..., None, :] ** 2
+    turned = np.swapaxes(matrix, -1, -2)
+    flat = np.einsum("ij,...kl->...ikjl", unit, turned) + np.einsum("...ij,kl->...ikjl", turned, unit)
+    flat = flat.reshape(*matrix.shape[:-2], n * n, n * n)
+    form = np.linalg.solve(flat, -weight.reshape(*matrix.shape[:-2], n * n, 1)).reshape(matrix.shape)
+    form = (form + np.swapaxes(form, -1, -2)) / 2
+    stable &= np.linalg.eigvalsh(form).min(axis=-1) > 0
+    form = np.where(stable[..., None, None], form, unit)
     inverse = np.linalg.inv(form)
 
-    def length(row: np.ndarray) -> float:
+    def length(row: np.ndarray) -> np.ndarray:
         """Return the largest value of a linear function where yᵀ S y = 1."""
-        return math.sqrt(max(row @ inverse @ row, 0.0))
+        return np.sqrt(np.maximum(_dot((row[..., None, :] @ inverse)[..., 0, :], row), 0.0))
 
-    falls = np.linalg.eigvals(inverse @ weight).real.min()  # yᵀ W y over yᵀ S y
-    away = length(mode.speed[:-1])
-    rest = steep * away * length(mode.contact[:-1]) + 0.5 * abs(force) * bent * away**2
-    pushed = 2 * math.sqrt(mode.push @ form @ mode.push) * rest
-    levels = [0.5 * falls / pushed if pushed > 0 else math.inf, reach / away if away > 0 else math.inf]
-    levels += [row @ whole / length(row[:-1]) for row in guards if length(row[:-1]) > 0]
-    return place, form, 0.9 * max(min(levels), 0.0) ** 2
+    falls = np.linalg.eigvals(inverse @ weight).real.min(axis=-1)  # yᵀ W y over yᵀ S y
+    away = length(mode.speed[..., :-1])
+    rest = steep * away * length(mode.contact[..., :-1]) + 0.5 * abs(force) * bent * away**2
+    pushed = 2 * np.sqrt(_dot((mode.push[..., None, :] @ form)[..., 0, :], mode.push)) * rest
+    levels = [_over(0.5 * falls, pushed), _over(reach, away)]
+    levels += [_over(_dot(row, whole), length(row[..., :-1])) for row in guards]
+    level = 0.9 * np.maximum(np.minimum.reduce(np.broadcast_arrays(*levels)), 0.0) ** 2
+    return place, form, np.where(stable, level, 0.0)
+
+
+def _dot(left: np.ndarray, right: np.ndarray) -> np.ndarray:
+    return np.asarray(np.einsum("...i,...i->...", left, right))
+
+
+def _over(room: np.ndarray, size: np.ndarray) -> np.ndarray:
+    """How often something fits into a room; without end if it is nothing."""
+    with np.errstate(all="ignore"):
+        return np.where(size > 0, room / size, np.inf)
+
+
+def _numbers(matrix: np.ndarray) -> np.ndarray:
+    """Return matrices for LAPACK, the identity in place of one that is not finite, which is refused later."""
+    return np.where(np.isfinite(matrix).all(axis=(-1, -2))[..., None, None], matrix, np.eye(matrix.shape[-1]))
 
 
 def eta(flow: TaylorFlow, states: np.ndarray, modes: np.ndarray) -> np.ndarray:
     """Return η [1] at states (k, n) in modes (k); zero in a mode that does not slip."""
     found = np.zeros(len(states))
-    for k, (state, mode) in enumerate(zip(states, modes, strict=True)):
-        pieces = flow.pieces[flow.piece_start[mode] : flow.piece_start[mode + 1]]
+    for mode in np.unique(modes):
+        pieces, here = flow.pieces[flow.piece_start[mode] : flow.piece_start[mode + 1]], modes == mode
         if len(pieces):
-            sigma = float(flow.speed[mode, :-1] @ state + flow.speed[mode, -1])
-            piece = pieces[np.searchsorted(pieces[1:, FROM], sigma, side="right")]
-            mu, _ = _law(piece, sigma)
-            found[k] = mu / (1 + flow.feedback[mode] * mu)
+            sigma = states[here] @ flow.speed[mode, :-1] + flow.speed[mode, -1]
+            mu, _ = _law(_piece_at(pieces, sigma), sigma)
+            found[here] = mu / (1 + flow.feedback[mode] * mu)
     return found
 
 
-def _law(piece: np.ndarray, sigma: float) -> tuple[float, float]:
-    """Return μ of a piece of a law and its derivative at a sliding speed [m/s]."""
-    value, slope = piece[CONSTANT] + piece[LINEAR] * sigma, piece[LINEAR]
-    if piece[RISE]:
-        fade, ratio = piece[FADE], piece[FADE] * sigma
-        squared = piece[EXPONENT] == 2
-        decay = piece[RISE] * math.exp(-(ratio**2 if squared else ratio))
-        value, slope = value + decay, slope - decay * fade * (2 * ratio if squared else 1)
-    return value, slope
+def _piece_at(pieces: np.ndarray, sigma: np.ndarray) -> np.ndarray:
+    """Return the piece of a law, of pieces (..., p, PIECE), that holds at a sliding speed [m/s] (...)."""
+    place = (pieces[..., 1:, FROM] <= sigma[..., None]).sum(axis=-1)
+    pieces = np.broadcast_to(pieces, (*place.shape, *pieces.shape[-2:]))
+    return np.take_along_axis(pieces, place[..., None, None], axis=-2)[..., 0, :]
+
+
+def _law(piece: np.ndarray, sigma: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return μ of pieces of a law (..., PIECE) and its derivative at a sliding speed [m/s] (...)."""
+    ratio, squared = piece[..., FADE] * sigma, piece[..., EXPONENT] == 2
+    decay = piece[..., RISE] * np.exp(-np.where(squared, ratio**2, ratio))
+    value = piece[..., CONSTANT] + piece[..., LINEAR] * sigma + decay
+    return value, piece[..., LINEAR] - decay * piece[..., FADE] * np.where(squared, 2 * ratio, 1)

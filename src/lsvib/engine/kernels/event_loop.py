@@ -325,3 +325,6 @@ def extremes_of_arcs(flow, modes, starts, durations, functionals):
         a, b = extremes(flow, modes[k], starts[k], functionals[modes[k]], durations[k])
         low, high = min(low, a), max(high, b)
     return low, high
+
+
+extremes_at = by_address(extremes_of_arcs)

@@ -193,3 +193,9 @@ class TaylorFlow(NamedTuple):
     settled_place: np.ndarray  # (m, n) x₀
     settled_form: np.ndarray  # (m, n, n) S
     settled_level: np.ndarray  # (m,) L, negative where no motion stays
+
+
+# Dimensions of the tables of one drive that hold its own numbers; those of many have one more axis, the first. Flow
+# tables of planar flows are the first of them, those of the other kinds are below.
+DIMENSIONS = {"flow": 2, "surfaces": 2, "guard_parts": 2, "resets": 3, "condition_row": 2, "shortest_stay": 0}
+MODAL_DIMENSIONS, TAYLOR_DIMENSIONS = (1, 1, 3, 2, 2, 3, 3, 3), (3, 2, 2, 2, 1, 1, 2, 2, 3, 1)
