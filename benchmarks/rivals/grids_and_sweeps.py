@@ -88,7 +88,6 @@ def sweeps(
     truth = np.array([this.truth().amplitude for this in scenes])
     start = np.array(scenes[0].state)
     drives = product_of(base.drive, {"axial_force": forces.tolist()})
-    starts = np.tile(start, (count, 1))
 
     def alone() -> np.ndarray:
         """Every drive by itself, its tables made anew."""
@@ -96,7 +95,7 @@ def sweeps(
         return np.array([steady_state(this.automaton(), start).amplitude for this in scenes])
 
     ways: dict[str, tuple[Callable[[], np.ndarray], int]] = {
-        "sweep": (lambda: all_endings(drives, starts).amplitude[places], count),
+        "sweep": (lambda: all_endings(drives, dict(zip("uw", start, strict=True))).amplitude[places], count),
         "single_drives": (alone, judged),
     }
     for name, settings in methods.items():

@@ -12,7 +12,7 @@ from references.known import NEAR_FOLD, NEGATIVE_DAMPING, PARADOX, REPELLING_SLI
 from lsvib.basins.grid import Axis, Grid
 from lsvib.basins.mapping import mapper
 from lsvib.dynamics.attractor import Attractor
-from lsvib.dynamics.sweep import Ending, all_endings, ending_of, endings_at_once
+from lsvib.dynamics.sweep import all_endings, ending_of, endings_at_once
 from lsvib.models.drive import PART_OF, Drive
 from lsvib.models.many import ManyDrives, groups
 from lsvib.models.mechanism import standing_state
@@ -60,13 +60,13 @@ def test_endings_are_those_of_one_motion():
         drives.append(Drive.of(drawn(rng, NEAR_THRESHOLDS)))
         starts.append([rng.uniform(-0.2, 0.2), rng.uniform(-80, 80)])
     many, starts = many_of(drives), np.array(starts)
-    found, is_open = endings_at_once(many, starts)
+    found, is_open = endings_at_once(many, dict(zip("uw", starts.T, strict=True)))
     assert is_open.mean() < 0.25
     assert len(set(found.attractor[~is_open].tolist())) >= 3
     for place, drive in enumerate(drives):
         if not is_open[place]:
-            alone = ending_of(drive, rigid_automaton(drive), starts[place])
-            together = Ending(*(column[place] for column in found))
+            alone = tuple(ending_of(drive, rigid_automaton(drive), starts[place]))
+            together = tuple(found[place])
             assert together[:2] == alone[:2], repr(drive)
             np.testing.assert_allclose(together[2:], alone[2:], rtol=1e-9, atol=1e-9, err_msg=repr(drive))
 
@@ -84,7 +84,7 @@ def test_the_fast_map_and_the_rule_agree(drive):
     found = mapper(drive).cells(grid, quantities=("label",))["label"].ravel()
     w, u = (part.ravel() for part in np.meshgrid(grid.y.centres(), grid.x.centres(), indexing="ij"))
     many = ManyDrives({name: np.full(u.size, value) for name, value in drive})
-    ends = all_endings(many, np.stack([u, w], axis=1)).attractor
+    ends = all_endings(many, {"u": u, "w": w}).attractor
     resolved = (found != Attractor.UNRESOLVED) & (ends != Attractor.UNRESOLVED)
     assert resolved.mean() > 0.999
     assert (found[resolved] == ends[resolved]).all()
@@ -93,11 +93,10 @@ def test_the_fast_map_and_the_rule_agree(drive):
 def test_threads_change_nothing():
     rng = np.random.default_rng(4)
     drives = [Drive(mass=rng.uniform(1, 20), axial_force=rng.uniform(-60, 60)) for _ in range(200)]
-    starts = np.tile([0.1, 0.0], (200, 1))
-    alone = all_endings(many_of(drives), starts)
+    start = {"u": 0.1, "w": 0.0}
+    alone = all_endings(many_of(drives), start)
     for workers in (2, 3):
-        for mine, other in zip(alone, all_endings(many_of(drives), starts, workers), strict=True):
-            np.testing.assert_array_equal(mine, other)
+        assert alone.tobytes() == all_endings(many_of(drives), start, workers).tobytes()
 
 
 def with_law(rng, drive: Drive) -> Drive:
@@ -133,9 +132,9 @@ def test_endings_under_friction_laws_are_those_of_one_motion(kind):
     assert len(set(found.attractor.tolist())) >= 3
     for k in np.flatnonzero(~is_open):
         alone = ending_of(drives[k], automaton_of(drives[k]), standing_state(drives[k]))
-        together = Ending(*(column[k] for column in found))
-        assert together[:2] == alone[:2], repr(drives[k])
+        together = found[k]
+        assert tuple(together)[:2] == tuple(alone)[:2], repr(drives[k])
         numbers = [(together.amplitude, alone.amplitude), (together.period, alone.period)]
         if not alone.peak_normal_force > 1e6:
-            numbers += zip(together[4:], alone[4:], strict=True)
+            numbers += zip(tuple(together)[4:], tuple(alone)[4:], strict=True)
         np.testing.assert_allclose(*zip(*numbers, strict=True), rtol=1e-9, atol=1e-9, err_msg=repr(drives[k]))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from references.drives import catalogue_drive
 
-from lsvib.dynamics.sweep import Ending, all_endings, ending_of
+from lsvib.dynamics.sweep import all_endings, ending_of
 from lsvib.engine.exact.modal_form import linear_mode, modal_flow
 from lsvib.engine.kernels import event_loop
 from lsvib.engine.kernels.layout import A0, A1, BETA, ModalFlow
@@ -61,7 +61,7 @@ def test_what_motions_end_on_is_what_they_end_on_by_the_tables_of_each_drive(kin
     together = all_endings(many, None)
     for k, drive in enumerate(drives[:15]):
         right = ending_of(drive, automaton_of(drive), standing_state(drive))
-        quick = Ending(*(column[k] for column in together))
+        quick, right = tuple(together[k]), tuple(right)
         assert quick[:2] == right[:2]
         np.testing.assert_allclose(quick[2:], right[2:], rtol=1e-9, atol=1e-9, err_msg=repr(drive))
 

@@ -311,7 +311,7 @@ def test_seizures_under_a_law(kind):
 
 
 @pytest.mark.parametrize("kind", [Drive, threads_drive])
-def test_a_sweep_makes_drives_with_a_law_one_by_one(kind):
+def test_a_sweep_under_laws_is_that_of_single_drives(kind):
     """Drives with and without a law in one sweep end as each alone; tables of many hold to 1e-12, not to the bit."""
     law = {"stribeck_rise": 0.06, "stribeck_speed": 0.05}
     laws = [{}, law, {"friction_slope": -0.05}, {"static_friction_coefficient": 0.3}, law | {"stribeck_exponent": 2}]
@@ -326,11 +326,10 @@ def test_a_sweep_makes_drives_with_a_law_one_by_one(kind):
             if name in dict(drives[0]) or name in friction.NAMES
         }
     )
-    starts = np.tile([0.05, -20.0], (len(drives), 1))
-    found, model = all_endings(many, starts), model_of(drives[0])
-    for place, drive in enumerate(drives):
-        alone = ending_of(drive, automaton_of(drive), model.initial_state(drive, {"u": 0.05, "w": -20.0}))
-        one = [column[place] for column in found]
-        assert one[:2] == list(alone[:2])
-        np.testing.assert_allclose(one[2:], alone[2:], rtol=1e-9)
+    start, model = {"u": 0.05, "w": -20.0}, model_of(drives[0])
+    found = all_endings(many, start)
+    for one, drive in zip(found, drives, strict=True):
+        alone = ending_of(drive, automaton_of(drive), model.initial_state(drive, start))
+        assert tuple(one)[:2] == tuple(alone)[:2]
+        np.testing.assert_allclose(tuple(one)[2:], tuple(alone)[2:], rtol=1e-9)
     assert Attractor.UNRESOLVED not in found.attractor

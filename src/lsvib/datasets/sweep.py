@@ -66,19 +66,15 @@ def sweep(
     drives, sizes = product_of(drive, axes), tuple(map(len, axes.values()))
     first = drives.one(0)  # with the parts that are varied
     begin: dict[str, float] | str = REST
-    if start == REST:
-        found = all_endings(drives, None, at_once, progress)
-    else:
+    if start != REST:
         given = START if start is None else names_and_values("start", start)
         begin = {key: numbers.start(f"start {key}", value) for key, value in given.items()}
         model_of(first).initial_state(first, begin)  # refuses other keys
-        starts = np.broadcast_to(np.array([begin["u"], begin["w"]]), (drives.size, 2))
-        others = {key: value for key, value in begin.items() if key not in ("u", "w")}
-        found = all_endings(drives, starts, at_once, progress, others)
+    found = all_endings(drives, begin if isinstance(begin, dict) else None, at_once, progress)
     return _over(
         _coordinates(axes),
         first,
-        {name: (tuple(axes), getattr(found, name).reshape(sizes), about) for name, about in _VARIABLES.items()},
+        {name: (tuple(axes), found[name].reshape(sizes), about) for name, about in _VARIABLES.items()},
         title=f"What a lead-screw drive ends on over {', '.join(axes)}",
         source="lsvib, exact event-driven motion and its return map",
         references=f"doi:10.1007/978-1-4419-1752-2_8, {model_of(first).equations}",

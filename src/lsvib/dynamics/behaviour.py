@@ -13,7 +13,7 @@ import numpy as np
 
 from lsvib.dynamics.attractor import Attractor
 from lsvib.dynamics.kernels.sweep import REVERSES
-from lsvib.dynamics.sweep import all_endings
+from lsvib.dynamics.sweep import Starts, all_endings
 from lsvib.models import mechanics
 from lsvib.models.many import ManyDrives
 from lsvib.numbers import Progress
@@ -56,7 +56,7 @@ def behaviours(drives: ManyDrives, workers: int = 1, progress: Progress | None =
     found[reverses] = Behaviour.STICK_SLIP_WITH_CONTACT_REVERSAL
     steady = np.flatnonzero(first.attractor == Attractor.STEADY_SLIDING)
 
-    def vibrating(start: np.ndarray | None, done: int) -> np.ndarray:
+    def vibrating(start: Starts | None, done: int) -> np.ndarray:
         """Note which of the steady drives do not return from a start; return whether they vibrate then."""
         again = all_endings(drives.some(steady), start, workers, progress and (lambda n, _: progress(done + n, most)))
         found[steady[~np.isin(again.attractor, (Attractor.STEADY_SLIDING, *_OF_CYCLES))]] = Behaviour.UNRESOLVED
@@ -64,7 +64,7 @@ def behaviours(drives: ManyDrives, workers: int = 1, progress: Progress | None =
 
     if steady.size:
         found[steady] = Behaviour.NO_VIBRATION
-        cycles = vibrating(far[steady], drives.size)
+        cycles = vibrating({key: column[steady] for key, column in far.items()}, drives.size)
         found[steady[cycles]] = Behaviour.COEXISTENCE
         static = drives.values.get("static_friction_coefficient", np.zeros(drives.size)) > 0
         steady = steady[cycles | static[steady]]
@@ -76,8 +76,8 @@ def behaviours(drives: ManyDrives, workers: int = 1, progress: Progress | None =
 
 
 @np.errstate(all="ignore")  # a drive whose lengths are beyond all numbers is refused with its tables
-def near_and_far(drives: ManyDrives) -> tuple[np.ndarray, np.ndarray]:
-    """Return starts next to steady sliding and far away (k, 2), u [rad] and w [rad/s], in plain double precision."""
+def near_and_far(drives: ManyDrives) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
+    """Return starts next to steady sliding and far away, u [rad] and w [rad/s] (k), in plain double precision."""
     v = drives.values
     tangent = np.tan(v["lead_angle"])
     lever, speed, stiffness = v["pitch_radius"] * tangent, v["input_speed"], v["coupling_stiffness"]
@@ -96,6 +96,6 @@ def near_and_far(drives: ManyDrives) -> tuple[np.ndarray, np.ndarray]:
     # Without a net force steady sliding lies on Q = 0: beside it θ′ = 0 alone gives a length.
     nearest = np.where(to_contact > 0, np.minimum(to_contact, to_stop), to_stop)
     # u of the near start, in distances to the nearest event: it stays in one mode, and is no rounding
-    near = np.stack([1e-6 * nearest, np.zeros(drives.size)], axis=1)
+    near = {"u": 1e-6 * nearest, "w": np.zeros(drives.size)}
     # u of the far start, in sums of all lengths of the drive along u
-    return near, np.stack([-np.sign(speed) * 10.0 * lengths, -speed], axis=1)
+    return near, {"u": -np.sign(speed) * 10.0 * lengths, "w": -speed}

@@ -56,17 +56,12 @@ class MeanLoad:
 
 def seizure_impulses(drive: Drive, speed: ArrayLike) -> Impulses:
     """Return the impulses by which the screw stops from ``speed`` θ′ [rad/s] (array); see the module docstring."""
-    speed = np.asarray(speed, dtype=float)
+    speed, radius = np.asarray(speed, dtype=float), drive.pitch_radius
     return Impulses(
-        normal=normal_impulse(speed, math.sin(drive.lead_angle), drive.mass, drive.pitch_radius, drive.screw_inertia),
-        axial=speed * drive.mass * drive.pitch_radius * math.tan(drive.lead_angle),
+        normal=speed * math.sin(drive.lead_angle) * (drive.mass * radius - drive.screw_inertia / radius),
+        axial=speed * drive.mass * radius * math.tan(drive.lead_angle),
         torque=speed * drive.screw_inertia,
     )
-
-
-def normal_impulse(speed: Any, sine: Any, mass: Any, pitch_radius: Any, screw_inertia: Any) -> Any:
-    """Return J_N [N s] of a seizure from θ′ = ``speed`` [rad/s], with ``sine`` = sin λ; numbers or arrays, SI units."""
-    return speed * sine * (mass * pitch_radius - screw_inertia / pitch_radius)
 
 
 def seizure_speeds(drive: Drive, motion: Motion) -> np.ndarray:
@@ -106,7 +101,7 @@ def mean_load(drive: Drive, orbit: Motion) -> MeanLoad:
     In slip under law s the threads carry N (cos λ + s μ sin λ) along the axis and r_m N (s μ cos λ − sin λ) about it,
     in rest R and T_r = −k z.
     """
-    impulses = seizure_impulses(drive, seizure_speeds(drive, orbit))
+    impulses = event_impulses(drive, orbit)
     sine, cosine = math.sin(drive.lead_angle), math.cos(drive.lead_angle)
     automaton, (modes, starts, ends, durations) = orbit.automaton, orbit.arcs()
     found = observable_integrals(orbit, ("normal_force", "coupling_torque", "coupling_deflection"))

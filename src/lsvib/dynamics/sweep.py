@@ -9,7 +9,7 @@ import math
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -39,121 +39,102 @@ from lsvib.models.model import automaton_of, model_of
 from lsvib.models.names import Event
 from lsvib.numbers import Progress
 
+Starts = Mapping[str, np.ndarray | float]
 WORK = 300_000.0  # events that a motion may take
 _WITHOUT_NUMBERS = (Attractor.UNRESOLVED, Attractor.UNBOUNDED)
 
 
-class Ending(NamedTuple):
-    """What a motion ends on, or arrays (k) of what motions do; nan where it has no such number.
-
-    ``attractor``, an :class:`lsvib.dynamics.attractor.Attractor`; ``happens``, what happens on a cycle: the sum of
-    those of ``SPRAGS``, ``RESTS`` and ``REVERSES`` (the contact force changes its sign) that do; ``amplitude`` [rad],
-    half the peak-to-peak of u; ``period`` [s]; ``multiplier`` [1] of the return map, the largest; ``peak_normal_force``
-    [N], largest |N| without the impulses of seizures; ``peak_normal_impulse`` [N s], largest |J_N| of a seizure, 0
-    without.
-    """
-
-    attractor: Any
-    happens: Any
-    amplitude: Any
-    period: Any
-    multiplier: Any
-    peak_normal_force: Any
-    peak_normal_impulse: Any
-
-    @classmethod
-    def without_numbers(cls, attractor: int) -> "Ending":
-        """Return an ending of which only the attractor is known."""
-        return cls(int(attractor), 0, *(math.nan,) * 5)
-
-    @classmethod
-    def unknown(cls, size: int) -> "Ending":
-        """Return room for so many."""
-        kinds = np.full(size, Attractor.UNRESOLVED, dtype=np.int8), np.zeros(size, dtype=np.int8)
-        return cls(*kinds, *(np.full(size, np.nan) for _ in cls._fields[2:]))
-
-    def put(self, places: Any, others: "Ending") -> None:
-        """Copy other endings into some places of these."""
-        for mine, theirs in zip(self, others, strict=True):
-            mine[places] = theirs
+# What a motion ends on; not a number where it has no such number.
+ENDING = np.dtype(
+    [
+        ("attractor", np.int8),  # of :class:`lsvib.dynamics.attractor.Attractor`
+        ("happens", np.int8),  # on a cycle: the sum of those of SPRAGS, RESTS and REVERSES that do
+        ("amplitude", float),  # [rad] half the peak-to-peak of u
+        ("period", float),  # [s]
+        ("multiplier", float),  # [1] of the return map, the largest
+        ("peak_normal_force", float),  # [N] largest |N| without the impulses of seizures
+        ("peak_normal_impulse", float),  # [N s] largest |J_N| of a seizure, 0 without
+    ]
+)
 
 
-def ending_of(drive: Drive, automaton: Automaton | None, state: np.ndarray) -> Ending:
+def _unknown(size: int) -> np.recarray:
+    return np.array([(Attractor.UNRESOLVED, 0, *(math.nan,) * 5)] * size, dtype=ENDING).view(np.recarray)
+
+
+def ending_of(drive: Drive, automaton: Automaton | None, state: np.ndarray) -> Any:
     """Return what the motion of a drive from a state (n) ends on; unresolved where the engine has no automaton."""
+    (ending,) = _unknown(1)
     if automaton is None:
-        return Ending.without_numbers(Attractor.UNRESOLVED)
+        return ending
     found = steady_state(automaton, state)
-    orbit = found.orbit
+    orbit, ending.attractor = found.orbit, found.label
     if found.label in _WITHOUT_NUMBERS or (orbit is None and found.label == Attractor.NEUTRAL_FAMILY):
-        return Ending.without_numbers(found.label)
+        return ending
+    ending.amplitude = ending.peak_normal_impulse = 0.0
     if orbit is None:
         mode, _ = enter(automaton, found.state)
-        (force,) = automaton.observe("normal_force", found.state[None], np.array([mode]))
-        return Ending(int(found.label), 0, 0.0, math.nan, math.nan, abs(float(force)), 0.0)
+        ending.peak_normal_force = abs(automaton.observe("normal_force", found.state[None], np.array([mode]))[0])
+        return ending
     try:
-        amplitude, peak = found.amplitude, max(map(abs, orbit_extremes(orbit, automaton.functional("normal_force"))))
+        extremes = orbit_extremes(orbit, automaton.functional("normal_force"))
+        ending.amplitude, ending.peak_normal_force = found.amplitude, max(map(abs, extremes))
     except EngineError:  # the rates of a mode lie too far apart to find the extremes
-        amplitude = peak = np.nan
-    happens = (
+        ending.amplitude = np.nan
+    ending.happens = (
         SPRAGS * (found.label == Attractor.SPRAG_SLIP_CYCLE)
         + RESTS * bool(np.isin(automaton.codes[orbit.arcs()[0]], automaton.rest_codes).any())
         + REVERSES * bool((orbit.kind == Event.CONTACT_REVERSAL).any())
     )
-    sprags = np.isin(orbit.kind, automaton.sprag_kinds).any()
-    impulse = float(np.abs(event_impulses(drive, orbit).normal).max()) if sprags else 0.0
-    return Ending(int(found.label), happens, amplitude, found.period, found.multiplier, peak, impulse)
+    if np.isin(orbit.kind, automaton.sprag_kinds).any():
+        ending.peak_normal_impulse = np.abs(event_impulses(drive, orbit).normal).max()
+    ending.period, ending.multiplier = found.period, found.multiplier
+    return ending
 
 
 def all_endings(
-    drives: ManyDrives,
-    starts: np.ndarray | None,
-    workers: int = 1,
-    progress: Progress | None = None,
-    others: Mapping[str, float] | None = None,
-) -> Ending:
-    """Return what motions of drives with the same parts (k) end on, each from its own start, u [rad], w [rad/s] (k, 2).
+    drives: ManyDrives, starts: Starts | None, workers: int = 1, progress: Progress | None = None
+) -> np.recarray:
+    """Return what motions of drives with the same parts (k) end on, an ``ENDING`` each (k).
 
-    Without ``starts`` that is rest: the screw stands with the coupling relaxed, and the motor begins to turn.
+    Each has its own start: values or arrays (k) of u [rad], w [rad/s] and other states by their keys, by default as in
+    steady sliding. Without ``starts`` that is rest: the screw stands with the coupling relaxed, and the motor begins to
+    turn.
 
     A motion depends on nothing but its own drive and start: no number depends on ``workers``, the number of threads.
-    ``progress`` is called with the numbers of motions done and in all. ``others``: values of the other states by name,
-    by default as in steady sliding.
+    ``progress`` is called with the numbers of motions done and in all.
     """
-    found, is_open = endings_at_once(drives, starts, workers, progress, others)
-    for done, place in enumerate(np.flatnonzero(is_open).tolist(), drives.size - is_open.sum()):
+    found, is_open = endings_at_once(drives, starts, workers, progress)
+    own = {key: np.broadcast_to(value, (drives.size,)) for key, value in (starts or {}).items()}
+    for done, place in enumerate(np.flatnonzero(is_open).tolist(), drives.size - is_open.sum() + 1):
         drive, automaton = drives.one(place), None
         with suppress(EngineError):  # rates that lie too far apart: nothing can be determined
             automaton = automaton_of(drive)
         model = model_of(drive)
-        u_and_w: Any = None if starts is None else zip("uw", starts[place].tolist(), strict=True)
-        start = model.from_rest(drive) if u_and_w is None else {**dict(u_and_w), **(others or {})}
-        found.put(place, ending_of(drive, automaton, model.initial_state(drive, start)))
+        start = model.from_rest(drive) if starts is None else {key: float(column[place]) for key, column in own.items()}
+        found[place] = ending_of(drive, automaton, model.initial_state(drive, start))
         if progress is not None:
-            progress(done + 1, drives.size)
+            progress(done, drives.size)
     return found
 
 
 def endings_at_once(
-    drives: ManyDrives,
-    starts: np.ndarray | None,
-    workers: int = 1,
-    progress: Progress | None = None,
-    others: Mapping[str, float] | None = None,
-) -> tuple[Ending, np.ndarray]:
+    drives: ManyDrives, starts: Starts | None, workers: int = 1, progress: Progress | None = None
+) -> tuple[np.recarray, np.ndarray]:
     """Return what motions of drives (k) end on, and which must be followed alone (k); arguments of :func:`all_endings`.
 
     Those are the ones of drives whose tables are not safe in doubles, or without any damping, and what does not end in
     steady sliding or on a cycle.
     """
-    found, is_open = Ending.unknown(drives.size), np.ones(drives.size, dtype=bool)
+    found, is_open = _unknown(drives.size), np.ones(drives.size, dtype=bool)
     # drives whose tables are made at once: half a gigabyte of numbers for all of a long sweep would be too many
     size = max(1, min(8192 if drives.plain.all() else 1024, -(-drives.size // workers)))
     blocks = [np.arange(first, min(first + size, drives.size)) for first in range(0, drives.size, size)]
 
     def fill(block: np.ndarray) -> int:
         for group in groups(drives, block):
-            closed, endings = _group_endings(drives, group, _states_of(group, drives, starts, others))
-            found.put(group.members[closed], Ending(*(column[closed] for column in endings)))
+            closed, endings = _group_endings(drives, group, _states_of(group, drives, starts))
+            found[group.members[closed]] = endings[closed]
             is_open[group.members[closed]] = False
         return int((~is_open[block]).sum())
 
@@ -166,23 +147,21 @@ def endings_at_once(
     return found, is_open
 
 
-def _states_of(
-    group: Group, drives: ManyDrives, starts: np.ndarray | None, others: Mapping[str, float] | None
-) -> np.ndarray:
+def _states_of(group: Group, drives: ManyDrives, starts: Starts | None) -> np.ndarray:
     """Return the states (j, n) from which the motions of a group begin."""
     if starts is None:
         return np.array(group.standing)
-    states, names = group.seated.copy(), model_of(drives.one(int(group.members[0]))).optional
-    states[:, :2] = starts[group.members]
-    for name, value in (others or {}).items():
-        states[:, 2 + names.index(name)] = value
+    model, states = model_of(drives.one(int(group.members[0]))), np.array(group.seated)
+    for name, value in starts.items():
+        place = (*model.required, *model.optional).index(name)
+        states[:, place] = np.broadcast_to(value, (drives.size,))[group.members]
     return states
 
 
-def _group_endings(drives: ManyDrives, group: Group, starts: np.ndarray) -> tuple[np.ndarray, Ending]:
+def _group_endings(drives: ManyDrives, group: Group, starts: np.ndarray) -> tuple[np.ndarray, np.recarray]:
     """Return which motions of a group (j), from ``starts`` (j, n), are done, and what these end on."""
     automaton, size, n = group.automaton, group.members.size, starts.shape[1]
-    found, done, flow = Ending.unknown(size), group.safe & ~conserves(automaton), automaton.tables.flow
+    found, done, flow = _unknown(size), group.safe & ~conserves(automaton), automaton.tables.flow
     if automaton.contracts:
         slides = done & (flow[..., layout.ALPHA] > 0).any(axis=1)
         _slide(group, slides, found)
@@ -192,7 +171,7 @@ def _group_endings(drives: ManyDrives, group: Group, starts: np.ndarray) -> tupl
     along, across = np.cos(own["lead_angle"])[:, None], (np.sin(own["lead_angle"]) / own["pitch_radius"])[:, None]
     answers = kernels.Answers(
         outcomes=np.full(size, Outcome.OPEN, dtype=np.int8),
-        bits=found.happens,
+        bits=np.zeros(size, dtype=np.int8),
         numbers=np.full(size, np.nan, dtype=kernels.NUMBERS),
         slopes=np.zeros((size, n, n)),
     )
@@ -209,7 +188,8 @@ def _group_endings(drives: ManyDrives, group: Group, starts: np.ndarray) -> tupl
     outcomes, numbers = answers.outcomes, answers.numbers
     _slide(group, outcomes == Outcome.SLIDES, found)
     cycles = outcomes == Outcome.CYCLE
-    bits = found.happens[cycles]
+    found.happens[:] = answers.bits
+    bits = answers.bits[cycles]
     labels = np.where(bits & RESTS, Attractor.STICK_SLIP_CYCLE, Attractor.OTHER_CYCLE)
     found.attractor[cycles] = np.where(bits & SPRAGS, Attractor.SPRAG_SLIP_CYCLE, labels)
     names = {
@@ -219,7 +199,7 @@ def _group_endings(drives: ManyDrives, group: Group, starts: np.ndarray) -> tupl
         "impulse": "peak_normal_impulse",
     }
     for name, column in names.items():
-        getattr(found, column)[cycles] = numbers[name][cycles]
+        found[column][cycles] = numbers[name][cycles]
     found.multiplier[cycles] = largest(answers.slopes[cycles])
     spent = (outcomes == Outcome.SPENT) | (outcomes == Outcome.SPENT_STEADILY)
     return cycles | spent | (outcomes == Outcome.SLIDES), found
@@ -238,7 +218,7 @@ def _rule(automaton: Automaton) -> kernels.Rule:
     return kernels.Rule(address, extremes_of(one), engine, asked, WORK, room)
 
 
-def _slide(group: Group, here: np.ndarray, found: Ending) -> None:
+def _slide(group: Group, here: np.ndarray, found: np.recarray) -> None:
     """Write steady sliding for some members of a group."""
     found.attractor[here] = Attractor.STEADY_SLIDING
     found.amplitude[here] = found.peak_normal_impulse[here] = 0.0

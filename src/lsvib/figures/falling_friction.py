@@ -81,12 +81,11 @@ def build(settings: of.Values) -> xr.Dataset:
 def _motions(drive: Drive, **swept: np.ndarray):
     """Return what motions end in, from both starts, along one parameter; arrays (start, k)."""
     from lsvib.dynamics.behaviour import near_and_far
-    from lsvib.dynamics.sweep import Ending, all_endings
+    from lsvib.dynamics.sweep import all_endings
     from lsvib.models.many import ManyDrives
 
     drives = ManyDrives({**dict(drive), **swept})
-    found = [all_endings(drives, starts) for starts in near_and_far(drives)]
-    return Ending(*(np.stack(pair) for pair in zip(*found, strict=True)))
+    return np.stack([all_endings(drives, starts) for starts in near_and_far(drives)]).view(np.recarray)
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:

@@ -23,8 +23,7 @@ CAPTION = """\
 The limit process, k_c = c_c · 1 s⁻¹ → ∞. Each column of (a) and (b) is a branch: drive on top; below, the sign of N in
 the impact and the number of the region in which the screw then stands, or a whole cycle. (a) Every motion converges to
 the rigid one under the rule contact_sign, not under at_once where the rules part (crosses; where a cross lies low, the
-times at rest differ). (b) Fitted orders with their standard errors. (c) All errors, median and range of the branches.
-See docs/limit_process.md.
+times at rest differ). (b) Fitted orders with their standard errors. See docs/limit_process.md.
 """
 
 _ORDER = 0.8  # of convergence, at least: the first order shows as 0.86 to 0.94 at stiffnesses that are finite
@@ -224,16 +223,14 @@ def checks(dataset: xr.Dataset) -> list[Check]:
 
 @style.styled
 def draw(dataset: xr.Dataset) -> style.Figure:
-    """Draw (a) the distances and (b) the orders, each column a branch; (c) the errors over the stiffness.
+    """Draw (a) the distances and (b) the orders, each column a branch.
 
-    In (a) the softest contact is on top, the stiffest below; crosses stand where the rules differ. (c) has the range
-    over the branches, and a triangle of order one.
+    In (a) the softest contact is on top, the stiffest below; crosses stand where the rules differ.
     """
     from matplotlib import colormaps
 
-    figure, first, branch = style.new_figure(style.DOUBLE, 5.6), dataset.isel(rule=0), dataset.branch
-    above, below = figure.subfigures(2, 1, height_ratios=(2.2, 1))
-    (distance, orders), errors = above.subplots(2, 1, sharex=True, height_ratios=(1.3, 1)), below.subplots()
+    figure, first, branch = style.new_figure(style.DOUBLE, 4.0), dataset.isel(rule=0), dataset.branch
+    distance, orders = figure.subplots(2, 1, sharex=True, height_ratios=(1.3, 1))
     stiffness = dataset.contact_stiffness
     shades = colormaps["Blues"](np.linspace(0.15, 1, stiffness.size))
     for value, own, colour in zip(stiffness, first.motion_distance.T, shades, strict=True):
@@ -248,19 +245,8 @@ def draw(dataset: xr.Dataset) -> style.Figure:
         order, error = (first[f"{name}_{what}"] for what in ("order", "order_error"))
         orders.errorbar(branch + 0.18 * (k - 1.5), order, error, color=colour, fmt=mark, markersize=2.5, linewidth=0.6,
                         label=words)  # fmt: skip
-        values = np.abs(first[name])
-        values = values / first.rigid_duration if name == "rest_error" else values
-        low, middle, high = values.where(values > 0).quantile([0, 0.5, 1], "branch")
-        errors.fill_between(stiffness, low, high, color=colour, alpha=0.18, linewidth=0)
-        errors.plot(stiffness, middle, mark + "-", color=colour, linewidth=1.0, markersize=2.5)
     orders.set(title="(b) fitted orders", ylabel="Order in $1/k_c$")
     _name_branches((distance, orders), dataset)
-    right = float(stiffness[-1]) / 2
-    errors.plot([right / 100, right], [1, 0.01], color=style.BLACK, linewidth=0.7, zorder=3)
-    errors.text(right / 100, 1, "order 1 ", ha="right", va="center", fontsize=6.5)
-    style.frame(errors, "(c) all errors: median, range", "Contact stiffness $k_c$ [N m⁻¹]", "Relative error",
-                xscale="log", yscale="log", xlim=stiffness.values[[0, -1]])  # fmt: skip
-    errors.text(0.04, 0.04, "colours and marks of (b)", fontsize=6.5, transform=errors.transAxes)
     return figure
 
 

@@ -113,26 +113,11 @@ def ends_of_many(rule, drives, members, reversal, answers):
     state, scale = np.empty(n), np.empty(n)
     for k in members:
         tables = Tables(
-            flow=_flow_of(many.flow, k),
-            surfaces=many.surfaces[k],
-            snap=many.snap,
-            guard_start=many.guard_start,
-            guard_surface=many.guard_surface,
-            guard_sign=many.guard_sign,
-            guard_transition=many.guard_transition,
-            guard_parts=many.guard_parts[k],
-            transition_reset=many.transition_reset,
-            resets=many.resets[k],
-            branch_start=many.branch_start,
-            branch_mode=many.branch_mode,
-            branch_kind=many.branch_kind,
-            branch_sign=many.branch_sign,
-            condition_start=many.condition_start,
-            condition_row=many.condition_row[k],
-            condition_test=many.condition_test,
-            beyond_accumulation=many.beyond_accumulation,
-            shortest_stay=many.shortest_stay[k],
-        )
+            _flow_of(many.flow, k), many.surfaces[k], many.snap, many.guard_start, many.guard_surface, many.guard_sign,
+            many.guard_transition, many.guard_parts[k], many.transition_reset, many.resets[k], many.branch_start,
+            many.branch_mode, many.branch_kind, many.branch_sign, many.condition_start, many.condition_row[k],
+            many.condition_test, many.beyond_accumulation, many.shortest_stay[k],
+        )  # fmt: skip
         for i in range(n):
             state[i], scale[i] = drives.starts[k, i], abs(drives.starts[k, i])
         found.notes[0]["left"], bits[k] = rule.work, 0
