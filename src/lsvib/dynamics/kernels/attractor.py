@@ -197,7 +197,7 @@ def _period(engine, tables, facts, section, points, records, budget, found):
         few = d > 1 and earlier.shape[0] <= 10
         if few or verdict == Verdict.NEUTRAL or not poincare_map.approaches(section, place, earlier, form):
             return Outcome.SPENT
-    if d > 0 and not poincare_map.same_events(engine, tables, section, place, events, count, records.other, budget):
+    if not poincare_map.same_events(engine, tables, section, place, away, events, count, records.other, budget):
         return Outcome.SPENT
     # A fixed point of this size, relative to the motion, is steady sliding, if that lies on a surface, no mode is
     # pushed away from it, and the motion shrinks towards it.
@@ -307,8 +307,7 @@ def end_of(engine, tables, asked, mode, state, records, found):
     now, events = Now(state, scale, clock), records.motion
     times, kinds, modes, after = events.time, events.kind, events.mode, events.after
     soon = engine.by_speed and known.kind.size > 0
-    early = known.kind.size == 0 and (engine.by_speed or n > 2)  # where events cost more than the look
-    chunk = FIRST if early else 2 if soon else CHUNK
+    chunk = FIRST if known.kind.size == 0 else 2 if soon else CHUNK
     for i in range(n):
         scale[i] = abs(state[i])
     found.notes[0]["first_event"], found.notes[0]["sprags"], found.notes[0]["time"] = event_loop.NO_KIND, 0, 0.0
@@ -347,5 +346,5 @@ def end_of(engine, tables, asked, mode, state, records, found):
         outcome = _look(engine, tables, asked, mode, records, count, budget, found)
         if outcome != Outcome.SPENT:
             return outcome
-        chunk = CHUNK if early and chunk == FIRST else min(2 * chunk, SIGHT)
+        chunk = CHUNK if chunk == FIRST and not soon else min(2 * chunk, SIGHT)
     return Outcome.SPENT_STEADILY if _hardly_changes(after, last) else Outcome.SPENT

@@ -24,7 +24,7 @@ STEP = 0.1  # cost of a step of the search for an event, in events
 NEAR = 1e-6  # distance within which a motion has reached a fixed point, well above rounding even in a stiff contact
 _MARGINS = (1e-12, 2e-8)  # by which multipliers must lie inside the unit circle: the rounding of P′ between these
 ON_CIRCLE = 1e-6  # distance from the unit circle of multipliers on it: defective ones scatter by the root of 1e-12
-_PARTS = 8  # of the way to a fixed point, at the ends of which the events of a return are compared
+_PARTS = 8  # most of the way to a fixed point, at the starts of which the events of a return are compared
 
 
 class Verdict(IntEnum):
@@ -314,12 +314,16 @@ def growth(slopes, form):
                 for k in range(d):
                     square[i, j] += power[i, k] * power[k, j]
                     part[i, j] += form[i, k] * power[k, j]
+        still = True  # power and form are what all that follow are
         for i in range(d):
             for j in range(d):
-                more = 0.0
+                more, before = 0.0, form[i, j]
                 for k in range(d):
                     more += power[k, i] * part[k, j]
                 form[i, j] += factor * (factor * more) if more != 0.0 and factor > 0.0 else 0.0
+                still = still and form[i, j] == before and square[i, j] == power[i, j]
+        if still:
+            break
         logarithm *= 2.0
         power, square = square, power
     return math.exp(rate)
@@ -353,11 +357,12 @@ def approaches(section, place, points, form):
 
 
 @merged_kernel
-def same_events(engine, tables, section, place, events, count, room, budget):
-    """Whether periods from all along the way to a place have the events of that from there, ``count`` of ``events``."""
+def same_events(engine, tables, section, place, away, events, count, room, budget):
+    """Whether periods from all along the way to a place, ``away``, have the events of that from there, so many."""
     state = on_stack(section.origin.size)
-    for k in range(_PARTS):
-        put(section, k / _PARTS, place, state)
+    parts = math.ceil(min(away / NEAR, _PARTS))  # of the way, none shorter than ``NEAR`` unless it is the only one
+    for k in range(parts):
+        put(section, k / parts, place, state)
         if come_back(engine, tables, section, state, room, budget) != count:
             return False
         for i in range(count):
