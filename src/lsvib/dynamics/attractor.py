@@ -4,13 +4,13 @@ The way of a label: here → :mod:`lsvib.dynamics.kernels.attractor` (the rule) 
 :mod:`lsvib.dynamics.kernels.poincare_map` (section, returns, fixed points) → :mod:`lsvib.dynamics.kernels.saltation`
 (their derivatives), which follow motions by the engine. Maps, sweeps and charts ask nothing else.
 
-The rule, for any number of states. The motion is followed, 64 events and then twice as many again and again.
+The rule, for any number of states. The motion is followed, 16 events, 64, and then twice as many again and again.
 
 1. The engine proves that no guard can fire again: the motion stays in one linear mode for ever, and ends in steady
    sliding or rest; if nothing damps what is excited, in one of a *neutral* family; if that grows, it is unbounded.
 2. Otherwise its events recur. The *section* is that of the rarest events of the later half. If its state repeats after
-   1 to 64 returns, or comes nearest after 1 to 8, Newton's method with the exact derivative P′ solves P(y) = y for the
-   Poincaré map P of so many returns (:mod:`lsvib.dynamics.poincare_map`). The motion ends in that fixed point if
+   1 to 64 returns, or in 64 events or more comes nearest after 1 to 8, Newton's method with the exact derivative P′
+   solves P(y) = y for the map P of so many returns (:mod:`lsvib.dynamics.poincare_map`). It ends in that fixed point if
 
    * its multipliers, the eigenvalues of P′, lie inside the unit circle beyond the rounding of P′ – or on it, if the
      motion repeats and nothing damps –,

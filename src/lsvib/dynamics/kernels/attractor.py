@@ -9,7 +9,7 @@ from lsvib.dynamics.kernels import machine, poincare_map, single_mode
 from lsvib.dynamics.kernels.poincare_map import NEAR, STEP, Verdict
 from lsvib.dynamics.kernels.single_mode import Outcome
 from lsvib.engine.kernels import event_loop, flow_taylor
-from lsvib.engine.kernels.jit import allocating_entry, allocating_kernel, kernel, merged_kernel
+from lsvib.engine.kernels.jit import entry, kernel, on_stack
 from lsvib.engine.kernels.layout import CARRY, STEPS, TIME, Events, Now, Status, Until
 
 FIRST = 16  # events after which a motion is asked whether it repeats, to rounding
@@ -17,12 +17,6 @@ CHUNK = 64  # events that are looked at first for what it tends to; every furthe
 SIGHT = 4096  # most events between two looks
 _SOLVED = 8  # most returns in a period that the map is solved for
 _STILL = 1e-12  # a step of this size, in sizes of a known cycle, is rounding
-
-
-_FULL, _SETTLED, _DIVERGED, _ACCUMULATED, _NO_BRANCH = (
-    int(status)
-    for status in (Status.EVENTS_FULL, Status.SETTLED, Status.DIVERGED, Status.ACCUMULATED, Status.NO_BRANCH)
-)
 
 
 class Facts(NamedTuple):
@@ -123,13 +117,13 @@ def _meets(known, c, state):
     return meets
 
 
-@allocating_kernel
+@kernel
 def _joins(known, kinds, modes, after, by_speed):
     """Return the known cycle that a motion (k events) joins, and the event that shows it; −1 if it joins none.
 
     Under a friction law (``by_speed``), where motions cost more, one point of the cycle itself shows that as well.
     """
-    at = np.empty(kinds.size, dtype=np.int64)
+    at = on_stack(kinds.size, np.int64)
     for c in range(known.kind.size):
         seen = count = 0
         for i in range(kinds.size):
@@ -170,15 +164,14 @@ def _fewer_returns(section, events, count, state):
     return section.returns, count
 
 
-@allocating_kernel
+@kernel
 def _period(engine, tables, facts, section, points, records, budget, found):
     """Return what a motion with these ``points`` (k, n) on a section tends to by its map.
 
     It is CYCLE, SLIDES, or SPENT, which stands for nothing that is known.
     """
     n, d, step, size, events = section.size.size, section.dimension, section.returns, section.size, records.one
-    place, state = np.empty(d), np.empty(n)
-    slopes, form = np.empty((d, d)), np.empty((d, d))
+    place, state, form, slopes = on_stack(d), on_stack(n), on_stack((d, d)), found.slopes[:d, :d]
     count, lost = poincare_map.newton(engine, tables, section, place, state, slopes, events, budget)
     if count == 0:
         form[:] = 0.0
@@ -204,13 +197,14 @@ def _period(engine, tables, facts, section, points, records, budget, found):
         few = d > 1 and earlier.shape[0] <= 10
         if few or verdict == Verdict.NEUTRAL or not poincare_map.approaches(section, place, earlier, form):
             return Outcome.SPENT
-    if d > 0 and not poincare_map.same_events(engine, tables, section, place, events, count, records.other, budget):
+    if not poincare_map.same_events(engine, tables, section, place, away, events, count, records.other, budget):
         return Outcome.SPENT
     # A fixed point of this size, relative to the motion, is steady sliding, if that lies on a surface, no mode is
     # pushed away from it, and the motion shrinks towards it.
     if reach < 1e-5:
         nearer = farther = pushed = 0.0
-        none, rate, sizes = np.zeros(n), np.empty(n), np.empty(n)
+        none, rate, sizes = on_stack(n), on_stack(n), on_stack(n)
+        none[:] = 0.0
         for k in range(count):
             single_mode.field(tables.flow, events.mode[k], none, rate, sizes)
             for i in range(n):
@@ -227,35 +221,31 @@ def _period(engine, tables, facts, section, points, records, budget, found):
     found.notes[0]["events"], found.notes[0]["dimension"] = fewer, d
     for i in range(n):
         found.state[i] = state[i]
-    for f in range(d):
-        for g in range(d):
-            found.slopes[f, g] = slopes[f, g]
     return Outcome.CYCLE
 
 
-@merged_kernel
+@kernel
 def _look(engine, tables, asked, mode, records, count, budget, found):
     """Return what a motion tends to by its last events, ``count`` of them; Outcome.SPENT if they do not show it."""
-    times, kinds, _, modes, _, after = records.motion
-    n, size = found.state.size, np.zeros(found.state.size)
-    for k in range(count):
-        for i in range(n):
-            size[i] = max(size[i], abs(after[k, i]))
+    times, kinds, _, modes, points, after = records.motion  # points take the place of states before events
+    n, size = found.state.size, on_stack(found.state.size)
     for i in range(n):
+        size[i] = 0.0
+        for k in range(count):
+            size[i] = max(size[i], abs(after[k, i]))
         size[i] = size[i] if size[i] > 0.0 else 1.0  # a coordinate that is zero at every event may have any scale
     key = poincare_map.rarest_event(tables, kinds[:count], modes[:count], after[:count], size)
     if key < 0:  # it only touches guards: rounding decides whether there is an event
         outcome = stays(tables, asked.facts, mode, found.state, found)
         return Outcome.OSCILLATES if outcome == Outcome.OSCILLATES else Outcome.SPENT
     seen, longest, last = 0, 0.0, -1
-    all_points = np.empty((count, n))
     for k in range(count):
         if kinds[k] == kinds[key] and modes[k] == modes[key]:
             longest = max(longest, times[k] - times[last]) if last >= 0 else 0.0
             for i in range(n):
-                all_points[seen, i] = after[k, i]
+                points[seen, i] = after[k, i]
             seen, last = seen + 1, k
-    points = all_points[max(0, seen - 1000) : seen]
+    points = points[max(0, seen - 1000) : seen]
     seen = points.shape[0]
     nearest, smallest, repeats = 1, math.inf, False
     for back in range(1, min(64, seen - 1) + 1):  # most returns in a period that repeats
@@ -269,11 +259,12 @@ def _look(engine, tables, asked, mode, records, count, budget, found):
             break
     if seen < 2 or (not repeats and (seen < 4 or (count < CHUNK and asked.known.kind.size == 0))):
         return Outcome.SPENT
+    room = on_stack(n), on_stack(n), on_stack(n, np.int64), on_stack((n, n))
     for returns in range(1, nearest + 1):  # a slow cycle may seem to have a multiple of its returns
         if nearest % returns == 0 and (repeats or seen - 1 - returns > seen // 2):
             watched = points[max(0, seen - 1 - _SOLVED) :]
             limit = 10.0 * longest  # time that a return may take
-            section = poincare_map.section_through(tables, kinds[key], modes[key], returns, limit, watched, size)
+            section = poincare_map.section_through(tables, kinds[key], modes[key], returns, limit, watched, size, room)
             outcome = _period(engine, tables, asked.facts, section, points, records, budget, found)
             if outcome != Outcome.SPENT:
                 return outcome
@@ -295,14 +286,14 @@ def _hardly_changes(after, count):
 @kernel
 def _complaint(status):
     """Return the outcome that stands for a status of the engine that ends a run without an answer."""
-    if status == _DIVERGED:
+    if status == Status.DIVERGED:
         return Outcome.GROWS
-    if status == _ACCUMULATED:
+    if status == Status.ACCUMULATED:
         return Outcome.ACCUMULATES
-    return Outcome.LOST if status == _NO_BRANCH else Outcome.SEARCH_SPENT
+    return Outcome.LOST if status == Status.NO_BRANCH else Outcome.SEARCH_SPENT
 
 
-@allocating_entry
+@entry
 def end_of(engine, tables, asked, mode, state, records, found):
     """Return what the motion from ``state`` (n), replaced, in a mode ends in.
 
@@ -310,14 +301,13 @@ def end_of(engine, tables, asked, mode, state, records, found):
     be spent, in events.
     """
     n, used, last = state.size, 0, 0
-    scale, clock, budget = np.empty(n), np.zeros(4), np.empty(1)
-    budget[0] = found.notes[0]["left"]
+    scale, clock, budget = on_stack(n), on_stack(4), on_stack(1)
+    clock[:], budget[0] = 0.0, found.notes[0]["left"]
     facts, known, patience = asked
     now, events = Now(state, scale, clock), records.motion
     times, kinds, modes, after = events.time, events.kind, events.mode, events.after
     soon = engine.by_speed and known.kind.size > 0
-    early = known.kind.size == 0 and (engine.by_speed or n > 2)  # where events cost more than the look
-    chunk = FIRST if early else 2 if soon else CHUNK
+    chunk = FIRST if known.kind.size == 0 else 2 if soon else CHUNK
     for i in range(n):
         scale[i] = abs(state[i])
     found.notes[0]["first_event"], found.notes[0]["sprags"], found.notes[0]["time"] = event_loop.NO_KIND, 0, 0.0
@@ -336,9 +326,9 @@ def end_of(engine, tables, asked, mode, state, records, found):
             found.notes[0]["first_event"] = kinds[0]
         if not math.isfinite(clock[TIME] + clock[CARRY]):
             return Outcome.LOST
-        if status != _FULL and status != _SETTLED:
+        if status != Status.EVENTS_FULL and status != Status.SETTLED:
             return _complaint(status)
-        if status == _FULL and known.kind.size > 0:
+        if status == Status.EVENTS_FULL and known.kind.size > 0:
             found.notes[0]["index"], shows = _joins(known, kinds[:count], modes[:count], after[:count], soon)
             if shows >= 0:
                 _count_sprags(facts, kinds[: shows + 1], modes[: shows + 1], found)
@@ -348,7 +338,7 @@ def end_of(engine, tables, asked, mode, state, records, found):
         found.notes[0]["time"] = clock[TIME] + clock[CARRY]
         for i in range(n):
             found.state[i] = state[i]
-        if status == _SETTLED:
+        if status == Status.SETTLED:
             return stays(tables, facts, mode, state, found)
         used, last = used + count, count
         if used < (min(patience, CHUNK) if soon else patience):
@@ -356,5 +346,5 @@ def end_of(engine, tables, asked, mode, state, records, found):
         outcome = _look(engine, tables, asked, mode, records, count, budget, found)
         if outcome != Outcome.SPENT:
             return outcome
-        chunk = CHUNK if early and chunk == FIRST else min(2 * chunk, SIGHT)
+        chunk = CHUNK if chunk == FIRST and not soon else min(2 * chunk, SIGHT)
     return Outcome.SPENT_STEADILY if _hardly_changes(after, last) else Outcome.SPENT

@@ -16,7 +16,7 @@ from lsvib.dynamics.kernels.machine import run_at
 from lsvib.dynamics.kernels.saltation import derivative
 from lsvib.engine.kernels.event_loop import cut
 from lsvib.engine.kernels.flow_planar import EPS, ROUNDING
-from lsvib.engine.kernels.jit import allocating_entry, allocating_kernel, entry, kernel, merged_kernel
+from lsvib.engine.kernels.jit import entry, kernel, merged_kernel, on_stack
 from lsvib.engine.kernels.layout import ACCUMULATION_KIND, CARRY, GRAZE_KIND, STEPS, TIME, Begin, Now, Status, Until
 
 LONGEST = 1024  # events in a period
@@ -24,8 +24,7 @@ STEP = 0.1  # cost of a step of the search for an event, in events
 NEAR = 1e-6  # distance within which a motion has reached a fixed point, well above rounding even in a stiff contact
 _MARGINS = (1e-12, 2e-8)  # by which multipliers must lie inside the unit circle: the rounding of P′ between these
 ON_CIRCLE = 1e-6  # distance from the unit circle of multipliers on it: defective ones scatter by the root of 1e-12
-_PARTS = 8  # of the way to a fixed point, at the ends of which the events of a return are compared
-_STOPPED = int(Status.STOP_EVENT)
+_PARTS = 8  # most of the way to a fixed point, at the starts of which the events of a return are compared
 
 
 class Verdict(IntEnum):
@@ -62,7 +61,7 @@ def meets(row, state, size):
     return abs(value) <= ROUNDING * terms
 
 
-@allocating_entry
+@entry
 def rarest_event(tables, kinds, modes, after, size):
     """Return the index of the latest of the rarest events in the later half of a motion (k); −1 if it only touches.
 
@@ -73,8 +72,8 @@ def rarest_event(tables, kinds, modes, after, size):
     for k in range(kinds.size):
         if kinds[k] != GRAZE_KIND and kinds[k] != ACCUMULATION_KIND:
             own, most = own + 1, max(most, kinds[k])
-    numbers = np.zeros((most + 1) * count, dtype=np.int64)
-    latest = np.zeros((most + 1) * count, dtype=np.int64)
+    numbers, latest = on_stack((most + 1) * count, np.int64), on_stack((most + 1) * count, np.int64)
+    numbers[:] = latest[:] = 0
     k, left = kinds.size, own - own // 2
     while left > 0:
         k -= 1
@@ -97,7 +96,7 @@ def rarest_event(tables, kinds, modes, after, size):
     return best
 
 
-@allocating_entry
+@entry
 def lay(surfaces, met, unit, rows, tied, free, directions):
     """Lay a section on the surfaces that are ``met`` (s, bool), with full pivoting in ``unit`` (n).
 
@@ -105,7 +104,8 @@ def lay(surfaces, met, unit, rows, tied, free, directions):
     directions (n, n), how the state changes with each free coordinate. Returns how many are free.
     """
     n, count, rank, d = unit.size, surfaces.shape[0], 0, 0
-    table, used = np.zeros((count, n)), np.zeros(count + n, dtype=np.bool_)
+    table, used = on_stack((count, n)), on_stack(count + n, np.bool_)
+    used[:] = False
     for s in range(count):
         length = 0.0
         for i in range(n):
@@ -140,17 +140,17 @@ def lay(surfaces, met, unit, rows, tied, free, directions):
     return d
 
 
-@allocating_kernel
-def section_through(tables, kind, mode, returns, limit, points, size):
+@kernel
+def section_through(tables, kind, mode, returns, limit, points, size, room):
     """Return the section on which ``points`` (k, n) of a motion of a ``size`` (n) lie; the last one is its origin.
 
-    A point may lie on one more surface by chance; those that all points meet are those of the section.
+    A point may lie on one more surface by chance; those that all points meet count. ``room`` for the section's arrays.
     """
     n, count = size.size, tables.surfaces.shape[0]
-    met, unit, origin = np.ones(count, dtype=np.bool_), np.empty(n), np.empty(n)
-    rows, tied = np.empty(n, dtype=np.int64), np.empty(n, dtype=np.int64)
-    free, directions = np.empty(n, dtype=np.int64), np.empty((n, n))
+    met, rows, tied = on_stack(count, np.bool_), on_stack(n, np.int64), on_stack(n, np.int64)
+    origin, unit, free, directions = room
     for s in range(count):
+        met[s] = True
         for k in range(points.shape[0]):
             met[s] = met[s] and meets(tables.surfaces[s], points[k], size)
     for i in range(n):
@@ -161,13 +161,14 @@ def section_through(tables, kind, mode, returns, limit, points, size):
     return Section(np.int64(kind), np.int64(mode), returns, limit, d, origin, size, unit, free, directions)
 
 
-@allocating_kernel
+@kernel
 def come_back(engine, tables, section, state, events, budget):
     """Follow a period from ``state`` (n), replaced by its end; returns the number of its events, 0 if there is none.
 
     What happens is written to ``events``; ``budget`` (1,) is counted down by what the period takes.
     """
-    scale, clock, here, count, back = np.empty(state.size), np.zeros(4), section.mode, 0, True
+    scale, clock, here, count, back = on_stack(state.size), on_stack(4), section.mode, 0, True
+    clock[:] = 0.0
     for i in range(state.size):
         scale[i] = abs(state[i])
     given = clock[STEPS] = max(budget[0], 0.0) / STEP
@@ -177,7 +178,7 @@ def come_back(engine, tables, section, state, events, budget):
         part = cut(events, count, events.time.size)
         status, here, more = run_at(engine.run, engine.inner, engine.room, tables, here, now, until, part)
         count += more
-        back = status == _STOPPED
+        back = status == Status.STOP_EVENT
         if not back:
             break
     budget[0] -= count + (STEP * (given - clock[STEPS]) if clock[STEPS] < math.inf else 0.0)
@@ -221,14 +222,14 @@ def _solve(matrix, vector):
     return True
 
 
-@allocating_kernel
+@kernel
 def slopes_of(engine, tables, section, state, events, count, slopes):
     """Write P′ (d, d) along a period of so many events from ``state`` (n).
 
     Returns the size of its rounding, not finite without P′.
     """
     n, size = section.origin.size, 0.0
-    total, lost = np.empty((n, n)), np.empty((n, n))
+    total, lost = on_stack((n, n)), on_stack((n, n))
     derivative(engine.derivative, tables, Begin(0.0, section.mode, state), cut(events, 0, count), total, lost)
     for f in range(section.dimension):
         i = section.free[f]
@@ -249,8 +250,7 @@ def newton(engine, tables, section, place, state, slopes, events, budget):
     without success, and the size of the rounding of P′.
     """
     d, last = section.dimension, math.inf
-    matrix, gap, lost = np.empty((d, d)), np.empty(d), 0.0
-    end = np.empty(state.size)
+    matrix, gap, end, lost = on_stack((d, d)), on_stack(d), on_stack(state.size), 0.0
     for f in range(d):
         place[f] = 0.0
     for _ in range(16):  # steps at most; each doubles the digits
@@ -282,7 +282,7 @@ def newton(engine, tables, section, place, state, slopes, events, budget):
     return 0, lost
 
 
-@allocating_entry
+@entry
 def growth(slopes, form):
     """Return the magnitude of the largest multiplier, an eigenvalue of P′ (d, d), by repeated squaring.
 
@@ -290,10 +290,10 @@ def growth(slopes, form):
     are; it is not finite where the sum is beyond all numbers.
     """
     d, logarithm, weight, rate = slopes.shape[0], 0.0, 1.0, -math.inf
-    power, square, part = slopes.copy(), np.empty((d, d)), np.empty((d, d))
+    power, square, part = on_stack((d, d)), on_stack((d, d)), on_stack((d, d))
     for i in range(d):
         for j in range(d):
-            form[i, j] = 1.0 if i == j else 0.0
+            power[i, j], form[i, j] = slopes[i, j], 1.0 if i == j else 0.0
     # of the number of returns over which growth is determined: 2⁴⁰, more than a slow multiplier needs
     for _ in range(40):
         largest = 0.0
@@ -314,16 +314,18 @@ def growth(slopes, form):
                 for k in range(d):
                     square[i, j] += power[i, k] * power[k, j]
                     part[i, j] += form[i, k] * power[k, j]
+        still = True  # power and form are what all that follow are
         for i in range(d):
             for j in range(d):
-                more = 0.0
+                more, before = 0.0, form[i, j]
                 for k in range(d):
                     more += power[k, i] * part[k, j]
                 form[i, j] += factor * (factor * more) if more != 0.0 and factor > 0.0 else 0.0
+                still = still and form[i, j] == before and square[i, j] == power[i, j]
+        if still:
+            break
         logarithm *= 2.0
-        for i in range(d):
-            for j in range(d):
-                power[i, j] = square[i, j]
+        power, square = square, power
     return math.exp(rate)
 
 
@@ -336,10 +338,10 @@ def judge(radius, lost, conserves):
     return Verdict.ATTRACTS if radius < 1.0 - margin else Verdict.NONE
 
 
-@allocating_kernel
+@kernel
 def approaches(section, place, points, form):
     """Whether each of some points (k, n) of a motion in turn lies nearer to a place, in the norm of ``form``."""
-    d, last, away = section.dimension, math.inf, np.empty(section.dimension)
+    d, last, away = section.dimension, math.inf, on_stack(section.dimension)
     for k in range(points.shape[0]):
         for f in range(d):
             i = section.free[f]
@@ -355,11 +357,12 @@ def approaches(section, place, points, form):
 
 
 @merged_kernel
-def same_events(engine, tables, section, place, events, count, room, budget):
-    """Whether periods from all along the way to a place have the events of that from there, ``count`` of ``events``."""
-    state = np.empty(section.origin.size)
-    for k in range(_PARTS):
-        put(section, k / _PARTS, place, state)
+def same_events(engine, tables, section, place, away, events, count, room, budget):
+    """Whether periods from all along the way to a place, ``away``, have the events of that from there, so many."""
+    state = on_stack(section.origin.size)
+    parts = math.ceil(min(away / NEAR, _PARTS))  # of the way, none shorter than ``NEAR`` unless it is the only one
+    for k in range(parts):
+        put(section, k / parts, place, state)
         if come_back(engine, tables, section, state, room, budget) != count:
             return False
         for i in range(count):

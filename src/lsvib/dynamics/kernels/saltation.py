@@ -15,12 +15,10 @@ Every matrix comes with a bound of its rounding, entry by entry.
 
 import math
 
-import numpy as np
-
 from lsvib.dynamics.kernels.machine import derivative_at
 from lsvib.dynamics.kernels.single_mode import field
 from lsvib.engine.kernels.flow_planar import EPS
-from lsvib.engine.kernels.jit import allocating_entry, allocating_kernel, kernel
+from lsvib.engine.kernels.jit import entry, kernel, on_stack
 from lsvib.engine.kernels.layout import ACCUMULATION_KIND, GRAZE_KIND
 
 _TERMS = 8.0  # most roundings in a term of a product of two matrices with up to five rows
@@ -50,14 +48,14 @@ def crossed_guard(tables, mode, kind, after, before):
     return found
 
 
-@allocating_kernel
+@kernel
 def _event(tables, mode, kind, after, before, out, lost):
     """Write R (I − f gᵀ / gᵀf) of an event that ends ``mode`` in the state ``before``, and its rounding; nan if none.
 
     There is none where the field only touches the surface, or infinitely many events end.
     """
     n = before.size
-    f, f_size = np.empty(n), np.empty(n)
+    f, f_size = on_stack(n), on_stack(n)
     field(tables.flow, mode, before, f, f_size)
     guard = -1 if kind == ACCUMULATION_KIND else crossed_guard(tables, mode, kind, after, before)
     normal = tables.surfaces[tables.guard_surface[max(guard, 0)]]
@@ -66,7 +64,7 @@ def _event(tables, mode, kind, after, before, out, lost):
         speed += normal[i] * f[i]
         speed_size += abs(normal[i]) * f_size[i]
     known = guard >= 0 and 0.0 < speed * speed < math.inf  # an underflown square is what rounding leaves of a motion
-    matrix, rounding = np.empty((n, n)), np.empty((n, n))
+    matrix, rounding = on_stack((n, n)), on_stack((n, n))
     for i in range(n):
         for j in range(n):
             across, unit = f[i] * normal[j], 1.0 if i == j else 0.0
@@ -86,8 +84,8 @@ def _event(tables, mode, kind, after, before, out, lost):
 
 
 @kernel
-def _then(matrix, lost, total, total_lost, room):
-    """Replace the product ``total`` by ``matrix`` @ ``total``, and its rounding likewise."""
+def _then(matrix, lost, unit, total, total_lost, room):
+    """Replace the product ``total`` by ``matrix`` @ ``total``, and its rounding likewise; ``lost`` is in a unit."""
     n = matrix.shape[0]
     for j in range(n):
         for i in range(n):
@@ -95,13 +93,13 @@ def _then(matrix, lost, total, total_lost, room):
             for k in range(n):
                 value += matrix[i, k] * total[k, j]
                 size += abs(matrix[i, k] * total[k, j])
-                rounding += lost[i, k] * abs(total[k, j]) + abs(matrix[i, k]) * total_lost[k, j]
+                rounding += unit * lost[i, k] * abs(total[k, j]) + abs(matrix[i, k]) * total_lost[k, j]
             room[i, 0], room[i, 1] = value, rounding + _TERMS * EPS * size
         for i in range(n):
             total[i, j], total_lost[i, j] = room[i, 0], room[i, 1]
 
 
-@allocating_entry
+@entry
 def derivative(flow_derivative, tables, begin, events, total, lost):
     """Write the derivative (n, n) of the state after the last event by the start, and a bound (n, n) of its rounding.
 
@@ -109,18 +107,15 @@ def derivative(flow_derivative, tables, begin, events, total, lost):
     has no derivative. The start's own mode is kept: neighbours start in it.
     """
     n, mode, start, times = begin.state.size, begin.mode, begin.time, events.time
-    matrix, rounding, room = np.empty((n, n)), np.empty((n, n)), np.empty((n, 2))
+    matrix, rounding, room = on_stack((n, n)), on_stack((n, n)), on_stack((n, 2))
     for i in range(n):
         for j in range(n):
             total[i, j], lost[i, j] = 1.0 if i == j else 0.0, 0.0
     for k in range(times.size):
         state = events.after[k - 1] if k > 0 else begin.state
         derivative_at(flow_derivative, tables.flow, mode, state, times[k] - start, matrix, rounding)
-        for i in range(n):
-            for j in range(n):
-                rounding[i, j] *= _TERMS * EPS
-        _then(matrix, rounding, total, lost, room)
+        _then(matrix, rounding, _TERMS * EPS, total, lost, room)
         if events.kind[k] != GRAZE_KIND:
             _event(tables, mode, events.kind[k], events.mode[k], events.before[k], matrix, rounding)
-            _then(matrix, rounding, total, lost, room)
+            _then(matrix, rounding, 1.0, total, lost, room)
         mode, start = events.mode[k], times[k]

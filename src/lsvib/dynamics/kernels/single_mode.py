@@ -6,12 +6,10 @@
 import math
 from enum import IntEnum
 
-import numpy as np
-
 from lsvib.dynamics.kernels import saltation_taylor
 from lsvib.engine.kernels import flow_planar
 from lsvib.engine.kernels.flow_planar import OVERFLOW, ROUNDING
-from lsvib.engine.kernels.jit import allocating_kernel, by_kind, kernel
+from lsvib.engine.kernels.jit import by_kind, kernel, on_stack
 from lsvib.engine.kernels.layout import A0, A1, ALPHA, BETA, EQUILIBRIUM, B
 
 
@@ -41,11 +39,11 @@ def _planar_flow(flow, mode, start, time, out, size):
             size[i, j] = abs(out[i, j])
 
 
-@allocating_kernel
+@kernel
 def _modal_flow(flow, mode, start, time, out, size):
     n, pairs, singles = out.shape[0], flow.pairs[mode], flow.singles[mode]
     into, back = flow.to_modal[mode], flow.from_modal[mode]
-    carried = np.zeros((2 * pairs + singles, 2))  # of one column: its values and their sizes
+    carried = on_stack((2 * pairs + singles, 2))  # of one column: its values and their sizes
     for j in range(n):
         for pair in range(pairs):
             k, row = 2 * pair, flow.oscillators[mode, pair]

@@ -23,7 +23,6 @@ from lsvib.engine.kernels import (
 from lsvib.engine.kernels.flow_planar import level
 from lsvib.engine.kernels.jit import (
     allocating_entry,
-    allocating_kernel,
     by_address,
     by_kind,
     entry,
@@ -49,8 +48,6 @@ from lsvib.engine.kernels.layout import (
 
 _ACCUMULATED = int(Status.ACCUMULATED)
 _NO_BRANCH = int(Status.NO_BRANCH)
-_POSITIVE = int(Test.POSITIVE)
-_ZERO = int(Test.ZERO)
 GOES_ON = -1  # stands for a status where the run does not end; no status is negative
 NO_KIND = -1  # stands for an event kind where nothing has happened; no kind is negative
 MANY = 24  # this many stays in a row below ``shortest_stay`` are an accumulation
@@ -107,9 +104,9 @@ def choose_branch(tables, transition, state, scale):
         for k in range(tables.condition_start[branch], tables.condition_start[branch + 1]):
             value, size = level(tables.condition_row[k], state, scale)
             test = tables.condition_test[k]
-            if test == _POSITIVE:
+            if test == Test.POSITIVE:
                 holds = value > size
-            elif test == _ZERO:
+            elif test == Test.ZERO:
                 holds = abs(value) <= size
             else:
                 holds = value >= -size
@@ -274,7 +271,7 @@ def add_time(clock, stay):
     clock[TIME] = total
 
 
-@allocating_kernel
+@merged_kernel
 def cut(events, first, last):
     """Return the events from the one of a number up to the one before another."""
     return Events(

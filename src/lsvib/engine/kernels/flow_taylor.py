@@ -50,18 +50,9 @@ class Series(NamedTuple):
 def series_for(n):
     """Return uninitialised ``Series`` of n states, with steps without end."""
     return Series(
-        np.empty((n, ORDER + 1)),
-        np.empty((MATRIX + n, ORDER + 1)),
-        np.empty(n),
-        np.empty(n),
-        np.empty((n, 2)),
-        np.empty(ORDER + 1),
-        np.empty(ORDER + 1),
-        np.ones(1),
-        np.ones(1),
-        np.empty(1),
-        np.full(1, math.inf),
-    )
+        np.empty((n, ORDER + 1)), np.empty((MATRIX + n, ORDER + 1)), np.empty(n), np.empty(n), np.empty((n, 2)),
+        np.empty(ORDER + 1), np.empty(ORDER + 1), np.ones(1), np.ones(1), np.empty(1), np.full(1, math.inf),
+    )  # fmt: skip
 
 
 @inlined_kernel

@@ -56,19 +56,10 @@ def room_for(flow, guards):
     pairs, singles = flow.oscillators.shape[1], flow.rates.shape[1]
     size = flow.to_modal.shape[1]
     return Sums(
-        np.empty((2, size)),
-        np.empty(size + 1),
-        np.empty(guards),
-        np.empty(guards),
-        np.empty((guards, pairs, 4)),
-        np.empty((guards, pairs, ORDERS, 4)),
-        np.empty((guards, singles, ORDERS)),
-        np.empty(guards),
-        np.empty((3, pairs, 6)),
-        np.empty((3, singles, 2)),
-        np.empty((3, guards, 6)),
-        np.full(1, math.inf),
-    )
+        np.empty((2, size)), np.empty(size + 1), np.empty(guards), np.empty(guards), np.empty((guards, pairs, 4)),
+        np.empty((guards, pairs, ORDERS, 4)), np.empty((guards, singles, ORDERS)), np.empty(guards),
+        np.empty((3, pairs, 6)), np.empty((3, singles, 2)), np.empty((3, guards, 6)), np.full(1, math.inf),
+    )  # fmt: skip
 
 
 @inlined_kernel

@@ -21,7 +21,8 @@ import tempfile
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import suppress
-from functools import partial
+from functools import partial, reduce
+from itertools import accumulate
 from pathlib import Path
 from typing import Any
 
@@ -34,6 +35,7 @@ from numba.core.caching import IndexDataCacheFile
 from numba.core.imputils import impl_ret_borrowed, lower_builtin
 from numba.core.registry import CPUDispatcher
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
+from numba.np import arrayobj
 
 from lsvib.engine.kernels.layout import Planar, Taylor, TaylorFlow
 
@@ -183,6 +185,47 @@ inlined_kernel = _compiler(_nrt=False, forceinline=True, no_cpython_wrapper=True
 merged_kernel = _compiler(_nrt=False, inline="always", no_cpython_wrapper=True)
 
 
+def _declare(function, typed, written):
+    """Let kernels call a function: ``typed`` returns the signature of a call, ``written`` writes it into their code."""
+
+    class Call(AbstractTemplate):
+        key = function
+
+        def generic(self, arguments, keywords):
+            return typed(self.context, arguments, keywords)
+
+    infer_global(function, types.Function(Call))
+    lower_builtin(function, types.VarArg(types.Any))(written)
+
+
+def on_stack(shape, number=np.float64):
+    """Return an array of any numbers, a small one, that lasts until the kernel ends that asks for it, in no loop.
+
+    A kernel that makes its arrays so counts no references, as one that makes none.
+    """
+    return np.empty(shape, number)
+
+
+def _type_on_stack(context, arguments, keywords):
+    dimensions = len(arguments[0]) if isinstance(arguments[0], types.BaseTuple) else 1
+    number = arguments[1].dtype if len(arguments) > 1 else types.float64
+    return signature(types.Array(number, dimensions, "C"), *arguments)
+
+
+def _write_on_stack(context, builder, signature, values):
+    own = signature.return_type
+    shape, number = cgutils.unpack_tuple(builder, values[0]) if own.ndim > 1 else values[:1], own.dtype
+    size = context.get_constant(types.intp, context.get_abi_sizeof(context.get_data_type(number)))
+    strides = list(accumulate(reversed(shape[1:]), builder.mul, initial=size))[::-1]
+    place = builder.alloca(context.get_data_type(number), size=reduce(builder.mul, shape))
+    array = context.make_array(own)(context, builder)
+    arrayobj.populate_array(array, place, shape, strides, size, meminfo=None)
+    return array._getvalue()
+
+
+_declare(on_stack, _type_on_stack, _write_on_stack)
+
+
 def by_kind(planar_kernel: Any, modal_kernel: Any, taylor_kernel: Any) -> Any:
     """Return a function that chooses a kernel by the kind of flow, its first argument.
 
@@ -232,21 +275,13 @@ def by_address(entry: Any, returns: Any = None) -> Any:
     def call(address, *arguments):
         return address(*arguments)
 
-    class Called(AbstractTemplate):
-        """A call with the types of the entry's own signature, which is compiled first."""
+    def typed(context, arguments, keywords):
+        if returns is not None:
+            return signature(returns, types.intp, *arguments[1:])
+        own = types.Dispatcher(entry).get_call_type(context, arguments[1:], keywords)  # is compiled first
+        return signature(own.return_type, types.intp, *own.args)
 
-        key = call
-
-        def generic(self, arguments, keywords):
-            """Return the signature of a call with these types."""
-            if returns is not None:
-                return signature(returns, types.intp, *arguments[1:])
-            own = types.Dispatcher(entry).get_call_type(self.context, arguments[1:], keywords)
-            return signature(own.return_type, types.intp, *own.args)
-
-    @lower_builtin(call, types.VarArg(types.Any))
-    def lower(context, builder, signature, values):
-        """Write the call into the code that numba builds: through the pointer, with an error passed on."""
+    def written(context, builder, signature, values):
         result, own = signature.return_type, signature.args[1:]
         function = context.call_conv.get_function_type(result, own)
         pointer = builder.inttoptr(values[0], function.as_pointer())
@@ -255,7 +290,7 @@ def by_address(entry: Any, returns: Any = None) -> Any:
             context.call_conv.return_status_propagate(builder, status)
         return impl_ret_borrowed(context, builder, result, value)
 
-    infer_global(call, types.Function(Called))
+    _declare(call, typed, written)
     return call
 
 

@@ -331,7 +331,7 @@ def extremes(flow, mode, state, functional, duration):
         start = ((math.atan2((q - row[ALPHA] * p) / row[BETA], p) + 0.5 * math.pi) % math.pi) / row[BETA]
         count = float(math.floor((duration - start) / half_turn))
         # Extrema only shrink or only grow along the flow: the first two and the last two bound them all.
-        for k in (0.0, 1.0, count - 1.0, count):
+        for k in (0.0, 1.0, max(count - 1.0, 2.0), max(count, 3.0)):
             if 0.0 <= k <= count:
                 value = _value(row, shape, start + k * half_turn)[0]
                 low, high = min(low, value), max(high, value)
