@@ -64,11 +64,6 @@ def seizure_impulses(drive: Drive, speed: ArrayLike) -> Impulses:
     )
 
 
-def seizure_speeds(drive: Drive, motion: Motion) -> np.ndarray:
-    """Return the screw speed θ′ [rad/s] just before each seizure of a motion."""
-    return np.asarray(drive.input_speed + motion.before[np.isin(motion.kind, motion.automaton.sprag_kinds), 1])
-
-
 def event_impulses(drive: Drive, motion: Motion) -> Impulses:
     """Return the impulses of each event of a motion of any model, shape (events), from the balances of momentum.
 

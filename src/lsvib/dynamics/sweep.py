@@ -213,9 +213,9 @@ def _rule(automaton: Automaton) -> kernels.Rule:
     flow = many.flow[0] if isinstance(many.flow, np.ndarray) else type(many.flow)(*(table[0] for table in many.flow))
     one = many._replace(flow=flow, **split)
     engine, n = machine_for(one, engine_for(one)), len(automaton.states)
-    room = records(n)
-    address = jit.address(end_of, engine, of_one_type(one), asked, 0, np.zeros(n), room, new_found(n, WORK))
-    return kernels.Rule(address, extremes_of(one), engine, asked, WORK, room)
+    room, found = records(n), new_found(n, WORK)
+    address = jit.address(end_of, engine, of_one_type(one), asked, 0, np.zeros(n), room, found)
+    return kernels.Rule(address, extremes_of(one), engine, asked, WORK, room, found)
 
 
 def _slide(group: Group, here: np.ndarray, found: np.recarray) -> None:

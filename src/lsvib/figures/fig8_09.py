@@ -43,23 +43,21 @@ def analysis(settings: Values) -> xr.Dataset:
 
 def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
     """Compute both phase planes, the critical mass and the sensitivity of case (b) to R, which the text leaves out."""
-    from lsvib.dynamics.impulses import seizure_speeds
+    from lsvib.dynamics.impulses import seizure_impulses
+    from lsvib.dynamics.sweep import all_endings
+    from lsvib.models.many import ManyDrives
 
     drives, critical = _drives(settings), value(analysis.kinematic_constraint_mass)
     forces = spans.even(settings["axial_force"])
     planes = phase_plane.portraits(settings, drives, ("mass",), _PRINTED)
     planes = planes.assign_coords(**axis("swept_axial_force", forces), critical_mass=((), critical, CRITICAL_MASS))
-    rows = []
-    for force in forces:
-        pushed = drives[-1].replace(axial_force=float(force))
-        steady = phase_plane.reached(pushed, settings["starts"][0])
-        speeds = np.empty(0) if steady.orbit is None else np.abs(seizure_speeds(pushed, steady.orbit))
-        rows.append((steady.label, steady.amplitude, speeds.max() if speeds.size else np.nan))
-    (label, amplitude, speed), dim = np.array(rows, dtype=float).T, "swept_axial_force"
+    swept = all_endings(ManyDrives({**dict(drives[-1]), "axial_force": forces}), settings["starts"][0])
+    speed, dim = swept.peak_normal_impulse / seizure_impulses(drives[-1], 1.0).normal, "swept_axial_force"
+    speed[speed == 0] = np.nan
     return planes.assign(
         {
-            "swept_attractor": phase_plane.attractors(dim, label, comment=_SWEEP),
-            "swept_amplitude": variable(dim, amplitude, "rad", phase_plane.AMPLITUDE, comment=_SWEEP),
+            "swept_attractor": phase_plane.attractors(dim, swept.attractor, comment=_SWEEP),
+            "swept_amplitude": variable(dim, swept.amplitude, "rad", phase_plane.AMPLITUDE, comment=_SWEEP),
             "impact_speed": variable(dim, speed, "rad s-1", "screw speed before a seizure", r"$\dot\theta$"),
         }
     ).assign_attrs(about(__doc__, "exact event-driven motion and its return map", "Sect. 8.6.1, Fig. 8.9"))

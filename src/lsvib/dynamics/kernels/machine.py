@@ -12,7 +12,7 @@ from numba import types
 
 from lsvib.dynamics.kernels import single_mode
 from lsvib.engine.kernels import event_loop, flow_taylor, guard_sums, search_planar
-from lsvib.engine.kernels.jit import allocating_entry, allocating_kernel, by_address, by_kind
+from lsvib.engine.kernels.jit import by_address, by_kind, entry, kernel
 from lsvib.engine.kernels.layout import ModalFlow, Tables, TaylorFlow
 
 
@@ -42,43 +42,43 @@ class Machine(NamedTuple):
     room: event_loop.Room
 
 
-@allocating_kernel
+@kernel
 def _planar(kind, place):
-    return place.planar
+    return (place.planar,)
 
 
-@allocating_kernel
+@kernel
 def _modal(kind, place):
-    return place.modal
+    return (place.modal,)
 
 
-@allocating_kernel
+@kernel
 def _taylor(kind, place):
-    return place.taylor
+    return (place.taylor,)
 
 
-_own = by_kind(_planar, _modal, _taylor)
+_own = by_kind(_planar, _modal, _taylor)  # in a tuple, in which kernels that count no references return arrays
 
 
-@allocating_entry
+@entry
 def run(kind, inner, room, tables, mode, now, until, events):
     """Follow a motion as ``event_loop.run_in`` does, whose address is ``inner``."""
-    own_room = event_loop.Room(room.state, room.guards, room.on_surface, _own(kind, room.work))
-    own_tables = Tables(_own(kind, tables.flow), *tables[1:])
+    own_room = event_loop.Room(room.state, room.guards, room.on_surface, _own(kind, room.work)[0])
+    own_tables = Tables(_own(kind, tables.flow)[0], *tables[1:])
     return event_loop.run_at(inner, own_room, own_tables, mode, now, until, events)
 
 
-@allocating_entry
+@entry
 def derivative(kind, flow, mode, start, time, out, size):
     """Write the derivative (n, n) of the state after a time by that at the start, and the sizes (n, n) of its terms."""
-    single_mode.derivative(_own(kind, flow), mode, start, time, out, size)
+    single_mode.derivative(_own(kind, flow)[0], mode, start, time, out, size)
     return 0
 
 
-@allocating_entry
+@entry
 def extremes(kind, inner, flow, modes, starts, durations, functionals):
     """Return what ``event_loop.extremes_of_arcs`` does, whose address is ``inner``."""
-    return event_loop.extremes_at(inner, _own(kind, flow), modes, starts, durations, functionals)
+    return event_loop.extremes_at(inner, _own(kind, flow)[0], modes, starts, durations, functionals)
 
 
 run_at = by_address(run, types.UniTuple(types.int64, 3))

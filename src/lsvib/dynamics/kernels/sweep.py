@@ -5,11 +5,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lsvib.dynamics.kernels.attractor import NOTES, Asked, Found, Records, end_of
+from lsvib.dynamics.kernels.attractor import Asked, Found, Records, end_of
 from lsvib.dynamics.kernels.machine import AnyFlow, Machine, extremes_at
 from lsvib.dynamics.kernels.single_mode import Outcome
 from lsvib.engine.kernels import event_loop
-from lsvib.engine.kernels.jit import allocating_entry, allocating_kernel, by_address
+from lsvib.engine.kernels.jit import by_address, entry, kernel, on_stack
 from lsvib.engine.kernels.layout import ModalFlow, Tables, TaylorFlow
 
 NUMBERS = np.dtype([(name, np.float64) for name in ("amplitude", "period", "force", "impulse")])
@@ -29,6 +29,7 @@ class Rule(NamedTuple):
     asked: Asked
     work: float
     records: Records
+    found: Found
 
 
 class Drives(NamedTuple):
@@ -50,16 +51,16 @@ class Answers(NamedTuple):
     slopes: np.ndarray  # (k, n, n) P′ of the return map, zero beyond its dimension
 
 
-@allocating_kernel
-def _describe(tables, rule, reversal, found, drives, k, numbers, slopes):
+@kernel
+def _describe(tables, rule, reversal, drives, k, numbers, slopes):
     """Write the numbers of a cycle, a period of which is on record; returns the bits of what happens on it.
 
     ``reversal``: kind of an event that reverses the contact force; ``k``, the number of the drive.
     """
-    times, kinds, _, modes, before, after = rule.records.one
+    (times, kinds, _, modes, before, after), other, found = rule.records.one, rule.records.other, rule.found
     facts, note, n = rule.asked.facts, found.notes[0], found.state.size
     count, mode, time, hardest = note["events"], note["mode"], 0.0, 0.0
-    at, starts, stays = np.empty(count, dtype=np.int64), np.empty((count, n)), np.empty(count)
+    at, starts, stays = other.mode[:count], other.before[:count], other.time[:count]  # room that is free by now
     bits = RESTS if facts.rests[mode] else 0
     for i in range(count):
         at[i], stays[i] = mode, times[i] - time
@@ -86,7 +87,7 @@ def _describe(tables, rule, reversal, found, drives, k, numbers, slopes):
     return bits
 
 
-@allocating_kernel
+@kernel
 def _flow_of(flow, k):
     """Return the flow of one of many drives."""
     planar, modal, taylor = flow
@@ -104,13 +105,12 @@ def _flow_of(flow, k):
     )  # fmt: skip
 
 
-@allocating_entry
+@entry
 def ends_of_many(rule, drives, members, reversal, answers):
     """Follow the motions of many drives, each from its own start; ``members`` (j) are those that are wanted."""
-    many, (outcomes, bits, numbers, slopes) = drives.tables, answers
+    many, found, (outcomes, bits, numbers, slopes) = drives.tables, rule.found, answers
     n = drives.starts.shape[1]
-    found = Found(np.zeros(1, dtype=NOTES), np.zeros(n), np.zeros((n, n)))
-    state, scale = np.empty(n), np.empty(n)
+    state, scale = on_stack(n), on_stack(n)
     for k in members:
         tables = Tables(
             _flow_of(many.flow, k), many.surfaces[k], many.snap, many.guard_start, many.guard_surface, many.guard_sign,
@@ -127,4 +127,4 @@ def ends_of_many(rule, drives, members, reversal, answers):
             mode = tables.branch_mode[branch]
             outcomes[k] = end_of_at(rule.address, rule.engine, tables, rule.asked, mode, state, rule.records, found)
         if outcomes[k] == Outcome.CYCLE:
-            bits[k] = _describe(tables, rule, reversal, found, drives, k, numbers[k], slopes[k])
+            bits[k] = _describe(tables, rule, reversal, drives, k, numbers[k], slopes[k])
