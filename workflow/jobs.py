@@ -1,8 +1,8 @@
 """The jobs of the rules, each in a process of its own that starts with all libraries loaded.
 
-To start Python and to load numba, xarray and matplotlib takes longer than most figures do. So one process, the fork
-server of the standard library, loads them once, and every job is a copy of it. It only imports: no thread runs
-in it, and what a job changes dies with the job.
+To start Python and to load numba, xarray, matplotlib and lsvib takes longer than most figures do. So one process, the
+fork server of the standard library, loads them once, and every job is a copy of it. It only imports: no thread runs
+in it, and what a job changes dies with the job. After an edit in the middle of a run jobs load lsvib anew.
 """
 
 import multiprocessing
@@ -20,14 +20,17 @@ from typing import Any
 
 from snakemake.exceptions import WorkflowError
 
-# What most jobs load. Nothing of ours: an edit in the middle of a run would not reach the jobs after it.
-_LIBRARIES = [
+_LIBRARIES = [  # that most jobs load
     *("numba", "numba.cpython.setobj", "numba.np.linalg", "numba.np.npyimpl", "numba.typed.typeddict"),
     *("netCDF4", "scipy.linalg", "xarray"),
     "pint",  # which xarray loads as soon as it computes
     *("matplotlib.backends.backend_agg", "matplotlib.backends.backend_pdf", "matplotlib.figure"),
     "snakemake.cli",  # the main module, which multiprocessing would load in every process
+    *("lsvib.figures.build", "lsvib.figures.drawing", "lsvib.dynamics.attractor", "lsvib.stability.boundaries"),
 ]
+# When a file of lsvib last changed; each job looks anew.
+_FILES = (file for kind in ("py", "yaml", "j2", "css") for file in Path(__file__).parents[1].glob(f"src/**/*.{kind}"))
+_CHANGED = max((file.stat().st_ctime_ns for file in _FILES if file.is_file()), default=0)
 
 # One thread for linear algebra in each job, as Snakemake gives to scripts: matrices are small, and jobs fill the cores.
 os.environ.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1"))
@@ -48,7 +51,7 @@ def run(job: Callable[..., None], log: str, subject: str, *arguments: Any) -> No
     What it says goes to the file ``log``; an error of ours is one sentence there, after its ``subject``. The file of
     the same name in the folder ``results/benchmarks`` gets its time and its memory.
     """
-    process = _PROCESSES.Process(target=_run, args=(job, log, subject, arguments))
+    process = _PROCESSES.Process(target=_run, args=(_CHANGED, job, log, subject, arguments))
     with _TURN:
         try:
             process.start()
@@ -63,8 +66,11 @@ def run(job: Callable[..., None], log: str, subject: str, *arguments: Any) -> No
         raise WorkflowError(f"The job {ended}.")
 
 
-def _run(job: Callable[..., None], log: str, subject: str, arguments: tuple[Any, ...]) -> None:
+def _run(loaded: int, job: Callable[..., None], log: str, subject: str, arguments: tuple[Any, ...]) -> None:
     started = time.perf_counter()
+    if loaded != _CHANGED:
+        for name in [name for name in sys.modules if name.partition(".")[0] == "lsvib"]:
+            del sys.modules[name]
     sys.stderr = open(log, "w", buffering=1)  # noqa: SIM115 (until the process ends)
     from lsvib.errors import LsvibError
     from lsvib.files import write_text
@@ -94,24 +100,24 @@ def compile_engine(part: str, sources: Texts, marker: str) -> None:
 
     if part == "mapper":
         from lsvib.basins.grid import Grid
-        from lsvib.basins.mapper import QUANTITIES
         from lsvib.basins.mapping import mapper
 
         one = {"start": -1.0, "stop": 1.0, "count": 1}
-        mapper(Drive()).cells(Grid.of({"u": one, "w": one}), quantities=QUANTITIES)
+        mapper(Drive()).cells(Grid.of({"u": one, "w": one}), quantities=("label",))
     elif part == "rule":
         from lsvib.dynamics.attractor import compile_rule
 
         compile_rule()
     else:
+        from lsvib.dynamics.energy import balance
         from lsvib.engine import motion
 
         if part != "taylor":
             motion.compile_engine((part,))
-        threads = {"contact_stiffness": 1e8, "contact_damping": 1e8} if part == "modal" else {}
-        drive = Drive(mass=11, **threads)
-        law = {"stribeck_rise": 0.02, "stribeck_speed": 0.01} if part == "taylor" else {}
-        drive.replace(**law).steady_state({"u": 0.1, "w": 0.0})
+        threads, law = dict(contact_stiffness=1e8, contact_damping=1e8), dict(stribeck_rise=0.02, stribeck_speed=0.01)
+        drive = Drive(mass=11, **{"modal": threads, "taylor": law}.get(part, {}))
+        cycle = drive.steady_state({"u": 0.1, "w": 0.0})
+        _ = cycle.amplitude, balance(drive, cycle.orbit), cycle.orbit.at([0.0])  # what figures ask of a cycle
         if part == "planar":
             drive.sweep(axial_force=[50.0])
     write_text(f"{digest(sources)}\n", marker)

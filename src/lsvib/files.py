@@ -15,6 +15,7 @@ from typing import Any
 
 from lsvib.errors import LsvibError
 
+File = str | os.PathLike[str]
 WRITING = threading.Lock()  # held while a file is written that an interrupt must not leave half done
 
 # How a file of each kind begins. What begins otherwise was not written by us and is not replaced by a command.
@@ -27,7 +28,7 @@ _BEGINNINGS = {
 }
 
 
-def target_of(path: str | os.PathLike[str], make_folder: bool = False) -> Path:
+def target_of(path: File, make_folder: bool = False) -> Path:
     """Return the file that writing to ``path`` makes or replaces; links are followed.
 
     ``make_folder``: a folder that does not exist will be made, so the nearest one above that exists decides. Raises
@@ -73,8 +74,8 @@ class Outputs:
 
     def __init__(
         self,
-        files: Sequence[tuple[str | os.PathLike[str], str]],
-        inputs: Sequence[str | os.PathLike[str]] = (),
+        files: Sequence[tuple[File, str]],
+        inputs: Sequence[File] = (),
         make_folders: bool = False,
     ) -> None:
         self.paths = [Path(path) for path, _ in files]
@@ -172,7 +173,7 @@ def _remove_stale(target: Path) -> None:
 
 
 @contextmanager
-def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
+def replacing(path: File) -> Iterator[Path]:
     """Give a temporary path beside ``path``; when the block ends well, the file there replaces ``path`` in one step.
 
     A reader, or the next run after a kill at any moment, sees the old file or the new one, never half of one. Raises
@@ -182,12 +183,12 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
         yield part
 
 
-def write_text(text: str, path: str | os.PathLike[str]) -> None:
+def write_text(text: str, path: File) -> None:
     """Write ``text`` to ``path`` as UTF-8, as :func:`replacing` does."""
     with replacing(path) as part:
         part.write_text(text, encoding="utf-8")
 
 
-def write_json(value: Any, path: str | os.PathLike[str]) -> None:
+def write_json(value: Any, path: File) -> None:
     """Write ``value`` to ``path`` as indented JSON, as :func:`replacing` does; NaN raises ``ValueError``."""
     write_text(json.dumps(value, indent=2, ensure_ascii=False, allow_nan=False) + "\n", path)

@@ -1,5 +1,7 @@
 """The processes of the jobs: how one fails, is killed or cannot write, and what is left of it."""
 
+import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -49,3 +51,27 @@ def test_how_jobs_end(tmp_path):
 def test_a_job_is_good_without_its_benchmark(tmp_path):
     (tmp_path / "results").write_text("not a folder")
     assert run(tmp_path)[0] == "good ended well"
+
+
+EDIT = """
+import pathlib, sys
+sys.path.insert(0, "workflow")
+import jobs
+jobs._PROCESSES.set_forkserver_preload(["lsvib.said"])
+for file in ("first.txt", "second.txt"):
+    jobs.run(exec, "logs/said.log", file, f"from lsvib.said import words; open('{file}', 'w').write(words)")
+    pathlib.Path("src/lsvib/said.py").write_text("words = 'edited later'")
+"""
+
+
+def test_an_edit_in_the_middle_of_a_run_reaches_the_jobs_after_it(tmp_path):
+    root, package = Path(__file__).parents[2], tmp_path / "src" / "lsvib"
+    for folder in (package, tmp_path / "workflow", tmp_path / "logs"):
+        folder.mkdir(parents=True)
+    shutil.copy(root / "workflow" / "jobs.py", tmp_path / "workflow")
+    for name in ("__init__.py", "__init__.pyi", "errors.py", "files.py"):
+        shutil.copy(root / "src" / "lsvib" / name, package)
+    (package / "said.py").write_text("words = 'loaded'")
+    environment = os.environ | {"PYTHONPATH": str(package.parent)}
+    subprocess.run([sys.executable, "-c", EDIT], cwd=tmp_path, env=environment, check=True, timeout=120)
+    assert [(tmp_path / f"{name}.txt").read_text() for name in ("first", "second")] == ["loaded", "edited later"]

@@ -78,11 +78,7 @@ rule draw_map:
         map="results/attraction/map.nc",
         sources=figure_sources("figures", "attraction"),
     output:
-        png=report(
-            "results/figures/attraction.png",
-            caption="../report/figure.rst",
-            category="Region of attraction",
-        ),
+        png=report("results/figures/attraction.png", caption="../report/figure.rst", category="Region of attraction"),
         pdf="results/figures/attraction.pdf",
         caption="results/figures/attraction.rst",
     log:

@@ -37,11 +37,7 @@ rule draw_chart:
         chart="results/chart/chart.nc",
         sources=figure_sources("figures", "chart"),
     output:
-        png=report(
-            "results/figures/chart.png",
-            caption="../report/figure.rst",
-            category="Chart",
-        ),
+        png=report("results/figures/chart.png", caption="../report/figure.rst", category="Chart"),
         pdf="results/figures/chart.pdf",
         caption="results/figures/chart.rst",
     log:

@@ -38,6 +38,9 @@ sys.path[:0] = [str(ROOT / "workflow"), str(ROOT)]
 import benchmarks  # with which the references are found, too
 import jobs
 
+if not Path("results/verdict.txt").exists():
+    jobs.start()  # while Snakemake plans
+
 
 def typed(values):
     """Return what ``--config`` gives, in which Snakemake leaves the numbers inside of lists and mappings as text."""
@@ -100,21 +103,25 @@ def imports(module):
     return frozenset(graph.find_upstream_modules(module) | {module})
 
 
-def source_files(modules):
-    """Return the files of the modules and of the packages around them, relative to the working directory.
+@cache
+def files_of(module):
+    """Return the files of a module and of the packages around it, relative to the working directory.
 
     Templates, words and the style of a page lie beside the module that reads them, and begin with its name. Claims,
     beside the module that reads them, are a parameter of the rules that judge them instead.
     """
-    files = set()
-    for module in modules:
-        parts = module.split(".")
-        files |= {Path(FOLDERS[parts[0]], *parts[:n], "__init__.py") for n in range(1, len(parts))}
-        package = Path(FOLDERS[parts[0]], *parts, "__init__.py")
-        file = package if package.exists() else Path(FOLDERS[parts[0]], *parts).with_suffix(".py")
-        kinds = ("css", "j2") if module == "lsvib.models.chapter" else ("css", "j2", "yaml")
-        files |= {file, *(beside for kind in kinds for beside in file.parent.glob(f"{file.stem}*.{kind}"))}
-    return sorted(str(file) for file in files)
+    parts = module.split(".")
+    around = {Path(FOLDERS[parts[0]], *parts[:n], "__init__.py") for n in range(1, len(parts))}
+    package = Path(FOLDERS[parts[0]], *parts, "__init__.py")
+    file = package if package.exists() else Path(FOLDERS[parts[0]], *parts).with_suffix(".py")
+    kinds = ("css", "j2") if module == "lsvib.models.chapter" else ("css", "j2", "yaml")
+    beside = (path for kind in kinds for path in file.parent.glob(f"{file.stem}*.{kind}"))
+    return {str(path) for path in (*around, file, *beside)}
+
+
+def source_files(modules):
+    """Return the files of several modules, as :func:`files_of` those of one."""
+    return sorted(set().union(*map(files_of, modules)))
 
 
 def code(job):
@@ -153,10 +160,16 @@ def parts(wildcards):
 
 
 @cache
+def quoted(file):
+    """Return the names in quotation marks in a file."""
+    return frozenset(re.findall(r'"(?=([\w.]+)")', Path(file).read_text(encoding="utf-8")))
+
+
+@cache
 def claims_in(files):
     """Return a digest of the claims whose ids stand in some source files: a parameter of the rules that judge them."""
-    text = "".join(Path(file).read_text(encoding="utf-8") for file in files)
-    named = [entry for part in listed().values() for entry in part if "id" in entry and f'"{entry["id"]}"' in text]
+    names = frozenset().union(*map(quoted, files))
+    named = [entry for part in listed().values() for entry in part if entry.get("id") in names]
     return hashlib.sha256(json.dumps(named).encode()).hexdigest()[:16]
 
 

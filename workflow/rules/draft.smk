@@ -31,13 +31,5 @@ for number, figures in enumerate([FIGURES[k::BATCHES] for k in range(BATCHES)]):
         message:
             f"Computing and drawing {', '.join(figures)}"
         run:
-            jobs.run(
-                jobs.draft,
-                log[0],
-                "draft",
-                params.settings,
-                list(output.datasets),
-                list(output.checks),
-                list(output.png),
-                list(output.captions),
-            )
+            files = (list(output.get(name)) for name in ("datasets", "checks", "png", "captions"))
+            jobs.run(jobs.draft, log[0], "draft", params.settings, *files)

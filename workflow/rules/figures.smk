@@ -41,8 +41,7 @@ rule analyse:
     message:
         "Analysing the drives of {wildcards.figure}"
     run:
-        figure = wildcards.figure
-        jobs.run(jobs.part, log[0], figure, figure, "analysis", params.settings, output[0])
+        jobs.run(jobs.part, log[0], wildcards.figure, wildcards.figure, "analysis", params.settings, output[0])
 
 
 rule map:
@@ -60,8 +59,7 @@ rule map:
     message:
         "Mapping the starts of {wildcards.figure}"
     run:
-        figure = wildcards.figure
-        jobs.run(jobs.part, log[0], figure, figure, "maps", params.settings, output[0])
+        jobs.run(jobs.part, log[0], wildcards.figure, wildcards.figure, "maps", params.settings, output[0])
 
 
 rule dataset:
@@ -83,8 +81,7 @@ rule dataset:
     message:
         "Computing {wildcards.figure}"
     run:
-        figure = wildcards.figure
-        jobs.run(jobs.dataset, log[0], figure, figure, params.settings, input, list(output))
+        jobs.run(jobs.dataset, log[0], wildcards.figure, wildcards.figure, params.settings, input, list(output))
 
 
 rule figure:
@@ -108,5 +105,4 @@ rule figure:
     message:
         "Drawing {wildcards.figure}"
     run:
-        figure = wildcards.figure
-        jobs.run(jobs.picture, log[0], figure, figure, input.dataset, output.png, output.pdf, output.caption)
+        jobs.run(jobs.picture, log[0], wildcards.figure, wildcards.figure, input.dataset, *output)

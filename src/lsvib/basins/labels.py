@@ -9,6 +9,7 @@ wider than rounding, are unresolved.
 """
 
 from collections.abc import Mapping, Sequence
+from functools import cached_property
 from heapq import heappop, heappush
 from typing import NamedTuple
 
@@ -81,7 +82,10 @@ class Sections:
                 found[section] = self._labels(section)
             self.complete = not any(UNKNOWN in pieces.labels for pieces in found.values())
         self.known = _with_labels(automaton, self.known, found, self.size)
-        self.known = _with_cycles(automaton, self.known, self.attractors, releases)
+        self._releases = releases
+
+    # `known` with what tells when attractors are reached, by a kernel that labels alone do without
+    timed = cached_property(lambda self: _with_cycles(self.automaton, self.known, self.attractors, self._releases))
 
     def _labels(self, section: Section) -> Pieces:
         """Return labels along a section, by bisection between motions of different courses, wide pieces first."""
@@ -379,11 +383,9 @@ def _with_cycles(
         )
     tables, sprags = automaton.tables, np.array(automaton.sprag_kinds, dtype=np.int64)
     for mode, state in releases:
-        branch = event_loop.choose_branch(
-            tables, tables.guard_transition[tables.guard_start[mode]], state, np.abs(state)
-        )
-        scratch = kernels.new_scratch(tables)
-        scratch.now.state[:], scratch.now.scale[:] = state, np.abs(state)
+        leads, size = tables.guard_transition[tables.guard_start[mode]], np.abs(state)
+        branch, scratch = event_loop.choose_branch(tables, leads, state, size), kernels.new_scratch(tables)
+        scratch.now.state[:], scratch.now.scale[:] = state, size
         known.release[mode] = kernels.approach(tables, known, sprags, tables.branch_mode[branch], scratch, _EVENTS)
     return known
 
@@ -423,7 +425,7 @@ class PlanarMapper(Mapper):
         first_events = found["first_event"][:, : x.size if "first_event" in quantities else 0]
         kernels.map_labels(tables, known, cells, self._events, labels, first_events)
         if not {"time", "seizures"}.isdisjoint(quantities):
-            kernels.map_approaches(tables, known, self._sprags, cells, _EVENTS, times, found["seizures"])
+            kernels.map_approaches(tables, self.sections.timed, self._sprags, cells, _EVENTS, times, found["seizures"])
             times[labels == UNRESOLVED] = np.inf
         if "doubt" in quantities:
             found["doubt"][:] = np.where(labels == UNRESOLVED, list(Doubt).index(self.doubt), NO_DOUBT)

@@ -1,7 +1,6 @@
 """Regions of attraction as a CF dataset: what becomes of every start of a grid, with the lines and cycles around it."""
 
 import json
-import os
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
@@ -19,6 +18,7 @@ from lsvib.datasets import phase_plane
 from lsvib.datasets.io import joined, rows_of, write_dataset
 from lsvib.dynamics.attractor import Attractor, Doubt
 from lsvib.errors import InputError
+from lsvib.files import File
 from lsvib.models.drive import Drive, names_and_values
 from lsvib.models.model import coordinates
 
@@ -192,7 +192,7 @@ def mapper_of(settings: Mapping[str, Any]) -> Mapper:
     return mapper(Drive.of(settings["drive"]))
 
 
-def map_tile(settings: Mapping[str, Any], item: str, path: str | os.PathLike[str], workers: int = 1) -> None:
+def map_tile(settings: Mapping[str, Any], item: str, path: File, workers: int = 1) -> None:
     """Map one tile ("3-of-6") and write it; ``settings`` as of :func:`mapper_of`, with ``grid`` and ``quantities``."""
     grid, mapped = Grid.of(settings["grid"]), mapper_of(settings)
     rows = rows_of(item, grid.y.count)
@@ -200,9 +200,7 @@ def map_tile(settings: Mapping[str, Any], item: str, path: str | os.PathLike[str
     write_dataset(frame(mapped, grid).isel({_dimensions(grid)[0]: rows}).assign(cells(mapped, grid, found)), path)
 
 
-def gather_map(
-    settings: Mapping[str, Any], tiles: Sequence[str | os.PathLike[str]], path: str | os.PathLike[str]
-) -> None:
+def gather_map(settings: Mapping[str, Any], tiles: Sequence[File], path: File) -> None:
     """Write the map, the dataset of ``drive.attraction(…)``, from the files of its tiles; ``settings`` as of a tile."""
     grid, mapped = Grid.of(settings["grid"]), mapper_of(settings)
     write_dataset(_around(joined(tiles, _dimensions(grid)[0]), mapped, grid), path)

@@ -350,7 +350,7 @@ def orbit_extremes(orbit: Motion, row: np.ndarray, wanted: np.ndarray | None = N
         if not chosen.any():
             return math.nan, math.nan
         modes, starts, durations = modes[chosen], starts[chosen], durations[chosen]
-    functionals = np.array(np.broadcast_to(row, (len(automaton.codes), row.shape[-1])))
+    functionals = np.array(np.broadcast_to(row, (len(automaton.codes), row.shape[-1])), order="C")
     low, high = event_loop.extremes_of_arcs(automaton.tables.flow, modes, starts, durations, functionals)
     if not (math.isfinite(low) and math.isfinite(high)):
         raise EngineError("the extremes of the motion cannot be isolated: the rates of a mode lie too far apart.")

@@ -4,7 +4,6 @@ The workflow calls the two halves in jobs of their own, or the whole for a quick
 """
 
 import json
-import os
 import re
 from collections.abc import Mapping
 from typing import Any
@@ -16,10 +15,9 @@ from lsvib.datasets.io import read_dataset, write_dataset
 from lsvib.errors import InputError
 from lsvib.figures import style
 from lsvib.figures.configuration import PARTS, complete_settings, load, module_of
-from lsvib.files import write_json, write_text
+from lsvib.files import File, write_json, write_text
 
 FULL, DRAFT = 300, 100  # resolution of a PNG for print and of one for a quick look [dots per inch]
-File = str | os.PathLike[str]
 
 
 def build_figure(

@@ -14,7 +14,6 @@ from lsvib.figures.settings import DriveFigure, PositiveSpan, Span, Values
 from lsvib.models import chapter
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients, effective_inertia, together
-from lsvib.numbers import bisected
 from lsvib.stability.boundaries import place_values
 from lsvib.stability.spectrum import UndampedClass, eigenvalues, polynomial, reciprocal_squares, undamped_class
 
@@ -47,16 +46,13 @@ def build(settings: Values) -> xr.Dataset:
     rigid, *closed = (least for least, *_ in masses)
     friction = spans.even(settings["friction_coefficient"])
     drive.replace(friction_coefficient=float(friction.max()))  # refuses what is beyond cot λ
-    # Where the product of both 1/ω² changes its sign, between zero and the rigid one.
-    passing = [bisected(lambda m, nut=dict(nut): _passed(nut | {"mass": m}), 0.0, rigid) for nut in nuts]
-    by = "critical mass, where an eigenvalue 1/omega^2 passes through zero"
+    passing = _passing(dict(drive) | {"nut_inertia": inertia}, rigid)
     grid = {**dict(drive), "friction_coefficient": friction[:, None], "nut_inertia": inertia}
     kinds, plane = undamped_class(grid, law=1), ("friction_coefficient", "nut_inertia")
-    boundary = _boundary_friction(drive, inertia)
     holds = "friction coefficient from which on (8.33) holds, missing if from none"
-    own, drawn = drive.friction_coefficient, "drawn_friction_coefficient"
+    own, drawn, closed_form = drive.friction_coefficient, "drawn_friction_coefficient", "critical mass, in closed form"
     origin, deflection = origin_of("friction_coefficient", own), float(coefficients(drive).deflection)
-    closed_form = "critical mass, in closed form"
+    by, mu = "critical mass, where an eigenvalue 1/omega^2 passes through zero", _boundary_friction(drive, inertia)
     return xr.Dataset(
         {
             "critical_mass_with_nut": variable("nut_inertia", closed, "kg", closed_form, r"$m_\mathrm{cr}$"),
@@ -64,7 +60,7 @@ def build(settings: Values) -> xr.Dataset:
             "stability": flagged(plane, kinds, "class of the steady sliding", UndampedClass, comment="undamped"),
         },
         coords={
-            "critical_friction_with_nut": variable("nut_inertia", boundary, "1", holds, r"$\mu$"),
+            "critical_friction_with_nut": variable("nut_inertia", mu, "1", holds, r"$\mu$"),
             **varied(nut_inertia=inertia, friction_coefficient=friction),
             "critical_mass": ((), rigid, CRITICAL_MASS),
             drawn: ((), own, parameter(drawn, origin, comment="of the critical masses")),
@@ -85,9 +81,13 @@ def build(settings: Values) -> xr.Dataset:
     )
 
 
-def _passed(drive: Values) -> bool:
-    """Whether the product of both 1/ω² is not positive."""
-    return not np.prod(np.sign(reciprocal_squares(drive, law=1).real)) > 0
+def _passing(nuts: Values, rigid: float) -> np.ndarray:
+    """Where the product of both 1/ω² changes its sign between zero and the rigid one, to the last bit [kg]."""
+    low, high = np.zeros(nuts["nut_inertia"].size), np.full(nuts["nut_inertia"].size, rigid)
+    while ((low < (middle := (low + high) / 2)) & (middle < high)).any():
+        passed = ~(np.prod(np.sign(reciprocal_squares({**nuts, "mass": middle}, law=1).real), axis=-1) > 0)
+        low, high = np.where(passed, low, middle), np.where(passed, middle, high)
+    return high
 
 
 def _reduced(p: Values) -> tuple[np.ndarray, np.ndarray]:

@@ -3,17 +3,16 @@
 Importing this loads no matplotlib, so a figure, whose dataset is built without it, may name colours and types freely.
 """
 
-import os
 import re
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from functools import wraps
+from functools import lru_cache, wraps
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
 
-from lsvib.files import replacing
+from lsvib.files import File, replacing
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes as Axes
@@ -175,14 +174,16 @@ def legend(
     return figure
 
 
-def save(
-    figure: Figure, png: str | os.PathLike[str], pdf: str | os.PathLike[str] | None = None, *, resolution: float = 300
-) -> None:
+def save(figure: Figure, png: File, pdf: File | None = None, *, resolution: float = 300) -> None:
     """Write the figure as PNG and PDF, each whole or not at all and without a date, so equal runs give equal files.
 
     ``pdf``: None for no PDF; ``resolution`` [dots per inch] of the PNG. The layout is found once, for the PNG; the PDF
     has the same. Raises ``LsvibError`` if a file cannot be written.
     """
+    from matplotlib.mathtext import MathTextParser
+
+    # Of formulas matplotlib keeps fifty, which are fewer than some figures draw again and again.
+    MathTextParser._parse_cached = lru_cache(None)(MathTextParser._parse_cached.__wrapped__)
     # With an engine of layout, be it the one named "none", each file would be drawn once more, unseen, to lay it out.
     with _look(**{"figure.constrained_layout.use": False}):
         figure.set_dpi(resolution)
