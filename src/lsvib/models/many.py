@@ -1,26 +1,24 @@
 """The tables of many drives at once, in plain arrays, from the formulas that make those of one.
 
-Drives whose tables differ in structure – in a sign, say – are divided into groups. A drive is *safe* if no sum in its
-formulas cancels by more than three decades, so that its tables hold to 1e-12; the others are made exactly, one by one.
+Drives whose tables differ in structure – in a sign, say – are divided into groups. A drive is *safe* if its tables hold
+to 1e-12; the others are made exactly, one by one.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.exact.arithmetic import Divided, double
-from lsvib.engine.kernels import layout
-from lsvib.engine.kernels.layout import DIMENSIONS, MODAL_DIMENSIONS, TAYLOR_DIMENSIONS, Tables, TaylorFlow
+from lsvib.engine.kernels.layout import DIMENSIONS, MODAL_DIMENSIONS, TAYLOR_DIMENSIONS, TaylorFlow
 from lsvib.errors import EngineError
 from lsvib.models import friction
 from lsvib.models.drive import DRY, PART_OF, Drive
 from lsvib.models.law_modes import modes_of
-from lsvib.models.mechanics import Coefficients, coefficients_of, steady_force
-from lsvib.models.mechanism import seated, standing
+from lsvib.models.mechanics import coefficients_of
+from lsvib.models.mechanism import Mechanism, seated, standing
 from lsvib.models.rigid import RigidBuild
 
 
@@ -85,69 +83,46 @@ def groups(drives: ManyDrives, entries: np.ndarray) -> Iterator[Group]:
     Drives that are in no group must be made exactly, too. Raises ``InputError`` as the model does.
     """
 
-    def plain(members: np.ndarray) -> Group:
-        d = drives.doubles(members)
-        c = coefficients_of(d)
-        automaton = _layered(RigidBuild(c, d).automaton(True, "contact_sign"), members.size)
-        standing = np.stack(np.broadcast_arrays(-c.deflection, -d.input_speed), axis=-1)
-        states = np.zeros_like(standing), standing
-        return Group(members, _safe(c, d, automaton.tables), automaton, steady_force(c, d), *states)
-
-    def general(members: np.ndarray) -> Group:
-        d = drives.doubles(members, np.longdouble)
-        modes = modes_of(d, parts)
-        automaton, m = _layered(modes.automaton(), members.size), modes.m
-        states = (np.broadcast_to(state(m), (members.size, len(m.states))) for state in (seated, standing))
-        return Group(members, _finite(automaton, members.size), automaton, double(m.steady_normal_force), *states)
-
-    is_plain = drives.plain[entries]
-    yield from _divided(entries[is_plain], plain)
-    if not is_plain.all():
-        parts = drives.one(int(entries[0])).parts
-        yield from _divided(entries[~is_plain], general)
-
-
-def _divided(entries: np.ndarray, make: Callable[[np.ndarray], Group]) -> Iterator[Group]:
-    """Divide drives until what is made of them has one structure."""
-    waiting = [entries] if entries.size else []
+    parts, waiting = drives.one(0).parts, [entries[drives.plain[entries]], entries[~drives.plain[entries]]]
     while waiting:
         members = waiting.pop()
         try:
             with np.errstate(all="ignore"):  # what overflows or divides by zero is not safe
-                made = make(members)
-        except Divided as parts:
-            waiting += [members[parts.signs == value] for value in np.unique(parts.signs)]
+                made = _group(drives, members, parts) if members.size else None
+        except Divided as apart:
+            waiting += [members[apart.signs == value] for value in np.unique(apart.signs)]
         except EngineError:
             continue  # rates that lie too far apart: made exactly, each says so itself
         else:
-            yield made
+            yield from [made] if made else []
 
 
-def _safe(c: Coefficients, d: Any, tables: Tables) -> np.ndarray:
-    """Whether no sum of the formulas cancels (j): the sizes of its terms over that of the sum."""
-    lever, force, speed = d.pitch_radius * d.tan_lead, d.axial_force, d.input_speed
-    steady = c.damping[c.steady_law] * speed
-    sums = [
-        (force, -lever * d.translation_damping * speed),
-        (steady, d.pitch_radius * c.xi[c.steady_law] * force),
-        (d.mass * d.support_damping, -d.screw_inertia * d.translation_damping),
-        (force * d.cos_lead, d.coupling_stiffness * c.deflection * d.sin_lead / d.pitch_radius),
-    ]
-    for law, xi in c.xi.items():
-        factor, turned = law * d.steady_friction, xi * lever * d.pitch_radius
-        sums += [(factor, -d.tan_lead), (np.ones_like(lever), factor * d.tan_lead)]
-        sums += [(d.screw_inertia, -turned * d.mass), (d.support_damping, -turned * d.translation_damping)]
-        sums.append((c.damping[law] ** 2, -4 * c.gamma[law] * d.coupling_stiffness))
-        if law != c.steady_law:
-            sums += [(c.xi[c.steady_law], -xi), (steady, d.pitch_radius * c.slack(law) * force)]
-    modes = np.repeat(np.arange(tables.flow.shape[1]), np.diff(tables.guard_start))
-    flow, rows = tables.flow[:, modes], tables.surfaces[:, tables.guard_surface]
-    real = flow[..., layout.DELTA] > 0
-    for constant, at in ((2, layout.EQUILIBRIUM), (0, layout.R1), (0, layout.R2)):
-        other = rows[..., 0 if constant else 1] * flow[..., at]
-        sums += list(zip(np.where(real, rows[..., constant], 0.0).T, np.where(real, other, 0.0).T, strict=True))
-    # Beyond three decades doubles do not hold 1e-12 of a sum.
-    return np.logical_and.reduce([abs(a) + abs(b) <= 1e3 * abs(a + b) for a, b in sums])
+def _group(drives: ManyDrives, members: np.ndarray, parts: tuple[str, ...]) -> Group:
+    """Return a group; raises ``Divided`` where what is made of the drives is not of one structure."""
+    d, size = drives.doubles(members, np.longdouble), members.size
+    if drives.plain[members[0]]:
+        m, rough = Mechanism(d, parts, d.steady_friction), drives.doubles(members)
+        automaton, other = (
+            _layered(RigidBuild(coefficients_of(one), one).automaton(True, "contact_sign"), size) for one in (d, rough)
+        )
+        safe = _alike(automaton, other)
+    else:
+        modes = modes_of(d, parts)
+        automaton, m = _layered(modes.automaton(), size), modes.m
+        safe = _finite(automaton, size)
+    states = (np.broadcast_to(state(m), (size, len(m.states))) for state in (seated, standing))
+    return Group(members, safe, automaton, double(m.steady_normal_force), *states)
+
+
+def _alike(automaton: Automaton, rough: Automaton) -> np.ndarray:
+    """Whether tables from numbers of 19 digits agree with those from 16 digits to nine (j): then they hold to 1e-12."""
+    pairs = [(getattr(automaton.tables, name), getattr(rough.tables, name)) for name in DIMENSIONS]
+    pairs += zip(automaton.observables.values(), rough.observables.values(), strict=True)
+    size = len(pairs[0][0])
+    if any(one.shape != other.shape for one, other in pairs):
+        return np.zeros(size, dtype=bool)
+    held = [np.abs(one - other) <= 1e-9 * np.abs(one) for one, other in pairs]  # what is not a number is not held
+    return np.logical_and.reduce([x.reshape(size, -1).all(axis=1) for x in held])
 
 
 def _layered(automaton: Automaton, size: int) -> Automaton:

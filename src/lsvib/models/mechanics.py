@@ -139,11 +139,6 @@ def coefficients_of(d: Any) -> Coefficients:
         )
 
 
-def steady_force(c: Coefficients, d: Any) -> Any:
-    """Return |N_0| of steady sliding [N] (eq. 8.15): N_0 (cos λ + s_0 μ sin λ) = R̃."""
-    return abs(c.net_force / (d.cos_lead + c.steady_law * d.steady_friction * d.sin_lead))
-
-
 def net_force(p: Mapping[str, Any], t: Any, sense: Any) -> Any:
     """Return R̃ less the friction of the slide, R − r_m tan λ c_x Ω − F_0 sgn Ω [N] (eq. 8.15)."""
     drag = p["pitch_radius"] * t * p["translation_damping"] * p["input_speed"]

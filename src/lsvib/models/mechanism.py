@@ -163,7 +163,7 @@ class Mechanism:
 
     @property
     def steady_normal_force(self) -> Any:
-        """Return |N_0| of steady sliding [N]."""
+        """Return |N_0| of steady sliding [N] (eq. 8.15): N_0 (cos λ + s_0 μ sin λ) = R̃."""
         return abs(self.force / (self.d.cos_lead + self.steady_law * self.d.steady_friction * self.d.sin_lead))
 
     def rates(self, slips: bool, held: Iterable[str]) -> dict[str, Row]:
