@@ -66,12 +66,10 @@ def test_probabilities_against_simulated_drives(changes, name):
 
 
 def test_sobol_indices_of_a_reserve_that_two_entries_share():
-    """Only mass and friction vary, nearly without interaction: first orders sum to about one."""
-    found = study(sheet(**KINEMATIC), 4096, 2)
-    first, total = found.first_order["kinematic_constraint"], found.total["kinematic_constraint"]
-    assert set(first) == {"load.mass", "friction.coefficient"}
-    assert sum(first.values()) == pytest.approx(1.0, abs=0.05)
-    assert all(total[key] >= first[key] - 0.03 for key in first)
+    """Only mass and friction vary, nearly without interaction: their shares sum to about one."""
+    total = study(sheet(**KINEMATIC), 4096, 2).sobol["kinematic_constraint"]
+    assert set(total) == {"load.mass", "friction.coefficient"}
+    assert sum(total.values()) == pytest.approx(1.0, abs=0.05)
 
 
 def test_the_worst_case_is_at_least_as_bad_as_every_sample():

@@ -113,7 +113,7 @@ def as_json(assessment: Assessment) -> dict[str, Any]:
             "interval": list(assessment.uncertainty.any.interval),
             "margin": _margins_json(assessment.margins),
         },
-        "sobol": {"first_order": assessment.uncertainty.first_order, "total": assessment.uncertainty.total},
+        "sobol": assessment.uncertainty.sobol,
         "from_rest": _starting_json(assessment.starting),
         "nominal": _motion_json(assessment.nominal),
         "worst_case": _motion_json(assessment.worst),

@@ -152,15 +152,12 @@ def reserve_chart(assessment: Assessment, names: list[str]) -> Figure:
 
 
 def sobol_chart(assessment: Assessment, name: str) -> Figure:
-    """Shares of the spread of a reserve that the uncertain entries cause, alone and with all others."""
-    first, total = (table[name] for table in (assessment.uncertainty.first_order, assessment.uncertainty.total))
-    names = sorted(total, key=lambda key: -total[key])
-    figure, axis = _bars([entry_name(name) for name in names])
-    places = np.arange(len(names))
-    axis.barh(places - 0.1, [first[key] for key in names], height=0.2, color=style.BLUE, label="alone")
-    axis.barh(places + 0.1, [total[key] for key in names], height=0.2, color=style.SKY, label="with the others")
+    """Shares of the spread of a reserve that the uncertain entries cause, each with all others."""
+    shares = assessment.uncertainty.sobol[name]
+    names = sorted(shares, key=lambda key: -shares[key])
+    figure, axis = _bars([entry_name(key) for key in names])
+    axis.barh(range(len(names)), [shares[key] for key in names], height=0.4, color=style.BLUE)
     axis.set(xlim=(0, 1.05), xlabel="Share of the spread that it causes")
-    figure.legend(loc="outside lower center", ncols=2, fontsize=7)
     return figure
 
 

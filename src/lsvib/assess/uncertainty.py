@@ -41,7 +41,7 @@ class Probability:
 class Uncertainty:
     """What the samples say: their number, ``points`` (d, n) of the unit cube, ``probability`` by mechanism, ``any``.
 
-    ``first_order`` and ``total``: Sobol indices [1] by mechanism and entry, absent where a reserve does not vary.
+    ``sobol``: total Sobol indices [1] by mechanism and entry, absent where a reserve does not vary.
     ``lowest``: the shares (d) of the sample with the lowest reserve of each mechanism, ``upset`` of the one that
     tolerates the smallest perturbation, None if all that were asked tolerate any. ``holds``: how often the thread
     is self-locking (no ``counts``), and ``lifting`` the lowest and highest lifting efficiency [1] of the samples.
@@ -51,8 +51,7 @@ class Uncertainty:
     points: NDArray[np.float64]
     probability: dict[str, Probability]
     any: Probability
-    first_order: dict[str, dict[str, float]]
-    total: dict[str, dict[str, float]]
+    sobol: dict[str, dict[str, float]]
     lowest: dict[str, NDArray[np.float64]]
     upset: NDArray[np.float64] | None
     holds: Probability
@@ -86,7 +85,6 @@ def study(sheet: Sheet, samples: int, seed: int) -> Uncertainty:
     blocks = [evaluated(sheet, part) for part in np.split(points, range(BLOCK, points.shape[1], BLOCK), axis=1)]
     found = {name: np.concatenate([block[name] for block in blocks]) for name in blocks[0]}
     varied = [name for name, reserve in found.items() if name != "after_perturbation" and np.ptp(reserve) > 0]
-    first, whole = _indices(sheet, entries, varied, _draws(sheet, entries, samples), seed) if varied else ({}, {})
     pair = Draw.of(sheet, points).efficiencies
     lifting, lowering = (np.broadcast_to(one, points.shape[1:]) for one in pair)
     unstable = np.any([reserve < 0 for name, reserve in found.items() if name != "after_perturbation"], axis=0)
@@ -98,8 +96,7 @@ def study(sheet: Sheet, samples: int, seed: int) -> Uncertainty:
         points=points,
         probability=chances,
         any=_probability(unstable),
-        first_order=first,
-        total=whole,
+        sobol=_indices(sheet, entries, varied, _draws(sheet, entries, samples), seed) if varied else {},
         lowest={name: points[:, np.argmin(reserve)] for name, reserve in found.items()},
         upset=upset,
         holds=_probability(lowering <= 0),
@@ -157,20 +154,18 @@ def _draws(sheet: Sheet, entries: list[str], samples: int) -> int:
     return count
 
 
-def _indices(sheet: Sheet, entries: list[str], names: list[str], count: int, seed: int) -> tuple[dict, dict]:
-    """Sobol indices of the reserves of some mechanisms, first order and total."""
+def _indices(sheet: Sheet, entries: list[str], names: list[str], count: int, seed: int) -> dict[str, dict[str, float]]:
+    """Total Sobol indices of the reserves of some mechanisms: shares of the spread that entries cause, with others."""
     if len(entries) == 1:  # which causes all of the spread; SciPy has no answer for a single entry
-        alone = {name: {entries[0]: 1.0} for name in names}
-        return alone, alone
+        return {name: {entries[0]: 1.0} for name in names}
 
     def reserve(shares: NDArray[np.float64]) -> NDArray[np.float64]:
         found = evaluated(sheet, shares)
         return np.stack([found[name] for name in names])
 
     result = sobol_indices(func=reserve, n=count, dists=[uniform()] * len(entries), rng=seed)
-    pair = (np.reshape(indices, (len(names), -1)).tolist() for indices in (result.first_order, result.total_order))
-    first, total = ([dict(zip(entries, row, strict=True)) for row in table] for table in pair)
-    return dict(zip(names, first, strict=True)), dict(zip(names, total, strict=True))
+    rows = np.reshape(result.total_order, (len(names), -1)).tolist()
+    return {name: dict(zip(entries, row, strict=True)) for name, row in zip(names, rows, strict=True)}
 
 
 def ends(sheet: Sheet) -> NDArray[np.float64]:

@@ -9,16 +9,18 @@ from lsvib.engine.kernels.layout import Modal, ModalFlow, Now, Planar, Tables, T
 from lsvib.engine.motion import NEVER, new_events
 
 
-def _empty(*dimensions: int, whole: tuple[int, ...] = ()) -> list[np.ndarray]:
+def _empty(*dimensions: int, many: tuple[int, ...] = (), whole: tuple[int, ...] = ()) -> list[np.ndarray]:
     """Arrays of so many dimensions without an entry, of which some, by their places, are of whole numbers."""
-    return [np.zeros((0,) * d, dtype=np.int64 if k in whole else float) for k, d in enumerate(dimensions)]
+    return [np.zeros((*many, *(0,) * d), dtype=np.int64 if k in whole else float) for k, d in enumerate(dimensions)]
 
 
-_NO_FLOW = AnyFlow(
-    np.zeros((0, 0)),
-    ModalFlow(*_empty(*layout.MODAL_DIMENSIONS, whole=(0, 1))),
-    TaylorFlow(*_empty(*layout.TAYLOR_DIMENSIONS, whole=(5,))),
-)
+def _no_flow(*many: int) -> AnyFlow:
+    modal = _empty(*layout.MODAL_DIMENSIONS, many=many, whole=(0, 1))
+    taylor = _empty(*layout.TAYLOR_DIMENSIONS, many=many, whole=(5,))
+    return AnyFlow(np.zeros((*many, 0, 0)), ModalFlow(*modal), TaylorFlow(*taylor))
+
+
+_NO_FLOW = _no_flow()
 _NO_WORK = AnyWork(
     search_planar.Work(np.zeros(1)),
     guard_sums.Sums(*_empty(2, 1, 1, 1, 3, 4, 3, 1, 3, 3, 3, 1)),
@@ -26,17 +28,10 @@ _NO_WORK = AnyWork(
 )
 
 
-def of_one_type(tables: Tables, many: int | None = None) -> Tables:
+def of_one_type(tables: Tables, *many: int) -> Tables:
     """Return tables whose flow has the type that all flows have for the rule; ``many``: drives that they are of."""
-    flow = _NO_FLOW
-    if many is not None:
-        planar, *others = flow
-        flow = AnyFlow(_of_many(planar, many), *(type(x)(*(_of_many(table, many) for table in x)) for x in others))
+    flow = _no_flow(*many) if many else _NO_FLOW
     return tables._replace(flow=flow._replace(**{_PLACES[type(tables.flow)]: tables.flow}))
-
-
-def _of_many(empty: np.ndarray, size: int) -> np.ndarray:
-    return np.zeros((size, *empty.shape), dtype=empty.dtype)
 
 
 _PLACES = {np.ndarray: "planar", ModalFlow: "modal", TaylorFlow: "taylor"}  # of a flow, by its type

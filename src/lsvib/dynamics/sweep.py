@@ -62,12 +62,9 @@ def _unknown(size: int) -> np.recarray:
     return np.array([(Attractor.UNRESOLVED, 0, *(math.nan,) * 5)] * size, dtype=ENDING).view(np.recarray)
 
 
-def ending_of(drive: Drive, automaton: Automaton | None, state: np.ndarray) -> Any:
-    """Return what the motion of a drive from a state (n) ends on; unresolved where the engine has no automaton."""
-    (ending,) = _unknown(1)
-    if automaton is None:
-        return ending
-    found = steady_state(automaton, state)
+def ending_of(drive: Drive, automaton: Automaton, state: np.ndarray) -> Any:
+    """Return what the motion of a drive from a state (n) ends on."""
+    (ending,), found = _unknown(1), steady_state(automaton, state)
     orbit, ending.attractor = found.orbit, found.label
     if found.label in _WITHOUT_NUMBERS or (orbit is None and found.label == Attractor.NEUTRAL_FAMILY):
         return ending
@@ -107,12 +104,13 @@ def all_endings(
     found, is_open = endings_at_once(drives, starts, workers, progress)
     own = {key: np.broadcast_to(value, (drives.size,)) for key, value in (starts or {}).items()}
     for done, place in enumerate(np.flatnonzero(is_open).tolist(), drives.size - is_open.sum() + 1):
-        drive, automaton = drives.one(place), None
+        drive, automaton, model = drives.one(place), None, model_of(drives.one(place))
         with suppress(EngineError):  # rates that lie too far apart: nothing can be determined
             automaton = automaton_of(drive)
-        model = model_of(drive)
-        start = model.from_rest(drive) if starts is None else {key: float(column[place]) for key, column in own.items()}
-        found[place] = ending_of(drive, automaton, model.initial_state(drive, start))
+        if automaton is not None:
+            given = {key: float(column[place]) for key, column in own.items()}
+            start = model.initial_state(drive, model.from_rest(drive) if starts is None else given)
+            found[place] = ending_of(drive, automaton, start)
         if progress is not None:
             progress(done, drives.size)
     return found
@@ -185,21 +183,15 @@ def _group_endings(drives: ManyDrives, group: Group, starts: np.ndarray) -> tupl
         impulse=axial * along - torque * across,
     )
     kernels.ends_of_many(_rule(automaton), members, np.flatnonzero(done), np.int64(Event.CONTACT_REVERSAL), answers)
-    outcomes, numbers = answers.outcomes, answers.numbers
+    outcomes = answers.outcomes
     _slide(group, outcomes == Outcome.SLIDES, found)
     cycles = outcomes == Outcome.CYCLE
     found.happens[:] = answers.bits
     bits = answers.bits[cycles]
     labels = np.where(bits & RESTS, Attractor.STICK_SLIP_CYCLE, Attractor.OTHER_CYCLE)
     found.attractor[cycles] = np.where(bits & SPRAGS, Attractor.SPRAG_SLIP_CYCLE, labels)
-    names = {
-        "amplitude": "amplitude",
-        "period": "period",
-        "force": "peak_normal_force",
-        "impulse": "peak_normal_impulse",
-    }
-    for name, column in names.items():
-        found[column][cycles] = numbers[name][cycles]
+    for name in kernels.NUMBERS.names or ():
+        found[name][cycles] = answers.numbers[name][cycles]
     found.multiplier[cycles] = largest(answers.slopes[cycles])
     spent = (outcomes == Outcome.SPENT) | (outcomes == Outcome.SPENT_STEADILY)
     return cycles | spent | (outcomes == Outcome.SLIDES), found

@@ -35,9 +35,9 @@ from lsvib.words import plain
 # Work after which what a motion ends on is unresolved, in events, without and with a friction law; the latter is that
 # of each motion which is drawn, too. A third of a second.
 _MOST_WORK, _WORK_OF_LAW = 100_000, 20_000
-# Cells of the map of a drive with two states while it is dragged, a seventieth of a second, and when the hand rests, a
-# fortieth; under a friction law, half a second; and of any other drive, of which every motion is followed, likewise.
-DRAGGED, SETTLED, UNDER_LAW, COARSE = (120, 90), (320, 240), (120, 90), (36, 27)
+# Cells of the map of a drive with two states while it is dragged, a seventieth of a second (under a friction law half a
+# second), and when the hand rests, a fortieth; and of any other drive, of which every motion is followed.
+DRAGGED, SETTLED, COARSE = (120, 90), (320, 240), (36, 27)
 
 
 @dataclass(frozen=True)
@@ -114,10 +114,7 @@ def contact_line(drive: Drive, window: Window) -> tuple[np.ndarray, np.ndarray]:
 
 
 def at_once(drive: Drive) -> bool:
-    """Return whether the map of a drive takes no longer than a drawing.
-
-    Its model has two states, and its friction does not depend on speed.
-    """
+    """Return whether the map takes no longer than a drawing: of two states, under constant friction."""
     return drive.rigid and not friction.depends_on_speed(drive)
 
 
@@ -125,7 +122,7 @@ def cells_of(drive: Drive) -> tuple[int, int]:
     """Return the columns and rows of the map that is drawn when the hand rests."""
     if not drive.rigid:
         return COARSE
-    return SETTLED if at_once(drive) else UNDER_LAW
+    return SETTLED if at_once(drive) else DRAGGED
 
 
 def laborious(drive: Drive) -> bool:

@@ -66,7 +66,7 @@ class LawModes(Modes):
         }
         pieces = sliding.of_law(sliding.pieces_of, self.m.d)
         laws = {self.name(key): key for key in self.slips}
-        if self.paradox and _ends(self.low):
+        if self.paradox and sign(np.isfinite(self.low) * 1.0):
             laws |= self._band(modes)
         split_of = cache(self._split)
         for name, key in laws.items():
@@ -77,7 +77,7 @@ class LawModes(Modes):
             seen[name] = without
             for observable in parts:
                 parts[observable][name] = more[observable]
-            if _ends(self.high) and d * q > 0:
+            if sign(np.isfinite(self.high) * 1.0) and d * q > 0:
                 self._bound(modes, name, f"beyond_{DIRECTIONS[d]}", d, self.high, -1, "beyond")
                 self.transitions["beyond"] = Transition(())
         self._divide(modes, seen, parts)
@@ -144,11 +144,6 @@ class LawModes(Modes):
         seen[half] = seen[steady]
         for of_mode in parts.values():
             of_mode[half] = of_mode[steady]
-
-
-def _ends(speed: Any) -> bool:
-    """Whether a speed [m/s] is finite."""
-    return sign(np.isfinite(speed) * 1.0) > 0
 
 
 @once

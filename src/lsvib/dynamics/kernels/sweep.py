@@ -12,7 +12,7 @@ from lsvib.engine.kernels import event_loop
 from lsvib.engine.kernels.jit import by_address, entry, kernel, on_stack
 from lsvib.engine.kernels.layout import ModalFlow, Tables, TaylorFlow
 
-NUMBERS = np.dtype([(name, np.float64) for name in ("amplitude", "period", "force", "impulse")])
+NUMBERS = np.dtype([(name, np.float64) for name in ("amplitude", "period", "peak_normal_force", "peak_normal_impulse")])
 end_of_at = by_address(end_of)
 SPRAGS, RESTS, REVERSES = 1, 2, 4  # bits that say what happens on a cycle
 
@@ -77,10 +77,10 @@ def _describe(tables, rule, reversal, drives, k, numbers, slopes):
     address, inner = rule.extremes
     low, high = extremes_at(address, inner, tables.flow, at, starts, stays, drives.angle)
     least, most = extremes_at(address, inner, tables.flow, at, starts, stays, drives.force[k])
-    numbers["period"], numbers["impulse"] = time, hardest
+    numbers["period"], numbers["peak_normal_impulse"] = time, hardest
     bounded = math.isfinite(low + high + least + most)
     numbers["amplitude"] = 0.5 * (high - low) if bounded else math.nan
-    numbers["force"] = max(abs(least), abs(most)) if bounded else math.nan
+    numbers["peak_normal_force"] = max(abs(least), abs(most)) if bounded else math.nan
     for i in range(note["dimension"]):
         for j in range(note["dimension"]):
             slopes[i, j] = found.slopes[i, j]

@@ -2,8 +2,7 @@
 
 numba checks only the file of the function itself when it decides whether a cached kernel is current; a change in
 another kernel that is inlined into it goes unnoticed. The cache therefore lives in a folder named after a digest of all
-kernels, unless ``NUMBA_CACHE_DIR`` says otherwise. Where the folder of the user cannot be written, one of the user's
-own in the folder for temporary files takes its place; where that cannot either, every process compiles in memory.
+kernels, unless ``NUMBA_CACHE_DIR`` says otherwise. Where that cannot be written every process compiles in memory.
 
 Several processes may fill the cache at once. numba writes each file of it whole, but it numbers the compiled versions
 of a kernel after the index that it has just read: two processes that compile a kernel for different types could give
@@ -19,7 +18,7 @@ import logging
 import os
 import tempfile
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from contextlib import suppress
 from functools import partial, reduce
 from itertools import accumulate
@@ -82,37 +81,22 @@ def source_digest() -> str:
     return digest.hexdigest()[:16]
 
 
-def _folders() -> Iterator[Path]:
-    """Yield the folders that may hold the cache, the best first."""
-    if "NUMBA_CACHE_DIR" in os.environ:
-        yield Path(os.environ["NUMBA_CACHE_DIR"])
-    digest = source_digest()
-    with suppress(RuntimeError):  # a user without a home
-        yield Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "lsvib" / digest
-    with suppress(FileNotFoundError):  # no folder for temporary files can be written
-        yield Path(tempfile.gettempdir()) / f"lsvib-{os.getuid()}" / digest
-
-
 def cache_folder() -> Path | None:
-    """Return the folder of the cache, made if need be; None if no folder can be written."""
-    for folder in _folders():
-        with suppress(OSError):
-            folder.parent.parent.mkdir(parents=True, exist_ok=True)
-            folder.parent.mkdir(exist_ok=True, mode=0o700)
-            folder.mkdir(exist_ok=True, mode=0o700)
-            owner = folder.parent.stat() if folder.parent.name == f"lsvib-{os.getuid()}" else None
-            if owner is not None and (owner.st_uid != os.getuid() or owner.st_mode & 0o022):
-                continue  # somebody else could put kernels there, and reading them is running them
-            with tempfile.TemporaryFile(dir=folder):
-                return folder
+    """Return the folder of the cache, made if need be; None if it cannot be written."""
+    with suppress(OSError, RuntimeError):  # also of a user without a home
+        home = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+        folder = Path(os.environ.get("NUMBA_CACHE_DIR") or Path(home) / "lsvib" / source_digest())
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            return folder
     return None
 
 
 _folder, notice = cache_folder(), Notice()
 if _folder is None:
     warnings.warn(
-        "No folder for the compiled engine can be written, so it is compiled in memory, in every process anew, which "
-        "takes some ten seconds; set NUMBA_CACHE_DIR to a folder that can be written.",
+        "The folder for the compiled engine cannot be written, so it is compiled in memory, in every process anew, "
+        "which takes some ten seconds; set NUMBA_CACHE_DIR to a folder that can be written.",
         RuntimeWarning,
         stacklevel=2,
     )
