@@ -54,14 +54,10 @@ class MeanLoad:
     deflection: float
 
 
-def seizure_impulses(drive: Drive, speed: ArrayLike) -> Impulses:
-    """Return the impulses by which the screw stops from ``speed`` θ′ [rad/s] (array); see the module docstring."""
-    speed, radius = np.asarray(speed, dtype=float), drive.pitch_radius
-    return Impulses(
-        normal=speed * math.sin(drive.lead_angle) * (drive.mass * radius - drive.screw_inertia / radius),
-        axial=speed * drive.mass * radius * math.tan(drive.lead_angle),
-        torque=speed * drive.screw_inertia,
-    )
+def seizure_impulse(drive: Drive, speed: ArrayLike) -> np.ndarray:
+    """Return the normal impulse J_N [N s] by which the screw stops from ``speed`` θ′ [rad/s] (array); see above."""
+    lever = drive.mass * drive.pitch_radius - drive.screw_inertia / drive.pitch_radius
+    return np.asarray(speed, dtype=float) * math.sin(drive.lead_angle) * lever
 
 
 def event_impulses(drive: Drive, motion: Motion) -> Impulses:

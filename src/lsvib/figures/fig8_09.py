@@ -43,7 +43,7 @@ def analysis(settings: Values) -> xr.Dataset:
 
 def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
     """Compute both phase planes, the critical mass and the sensitivity of case (b) to R, which the text leaves out."""
-    from lsvib.dynamics.impulses import seizure_impulses
+    from lsvib.dynamics.impulses import seizure_impulse
     from lsvib.dynamics.sweep import all_endings
     from lsvib.models.many import ManyDrives
 
@@ -52,7 +52,7 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
     planes = phase_plane.portraits(settings, drives, ("mass",), _PRINTED)
     planes = planes.assign_coords(**axis("swept_axial_force", forces), critical_mass=((), critical, CRITICAL_MASS))
     swept = all_endings(ManyDrives({**dict(drives[-1]), "axial_force": forces}), settings["starts"][0])
-    speed, dim = swept.peak_normal_impulse / seizure_impulses(drives[-1], 1.0).normal, "swept_axial_force"
+    speed, dim = swept.peak_normal_impulse / seizure_impulse(drives[-1], 1.0), "swept_axial_force"
     speed[speed == 0] = np.nan
     return planes.assign(
         {

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from lsvib.dynamics.attractor import orbit_extremes, steady_state
-from lsvib.dynamics.impulses import seizure_impulses
+from lsvib.dynamics.impulses import seizure_impulse
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.engine.motion import Motion, follow
 from lsvib.errors import InputError
@@ -160,7 +160,7 @@ def deviations(branch: LimitBranch, drive: Drive) -> dict[str, Any]:
     }
     if is_cycle:
         return values | {"period_error": [motion.end_time / other.end_time - 1 for other in rigid]}
-    expected = float(seizure_impulses(drive, drive.input_speed + branch.impact.w).normal)
+    expected = float(seizure_impulse(drive, drive.input_speed + branch.impact.w))
     stops = motion.time[np.isin(motion.kind, (Event.STICK, Event.REVERSAL))]
     return values | {
         "impulse_error": impact_impulse(drive, motion) / expected - 1,
