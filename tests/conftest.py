@@ -7,7 +7,7 @@ from importlib.util import find_spec
 import pytest
 from hypothesis import settings
 
-# Matrices are small: threads of the linear algebra, on cores that other tests keep busy, make one a hundred times slower.
+# Matrices are small: threads of linear algebra, on cores that other tests keep busy, make one a hundred times slower.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 pytest.register_assert_rewrite("references")
 
