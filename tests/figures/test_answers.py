@@ -30,7 +30,7 @@ ANSWERS = {  # what makes it, panels with data, words and units that they show
     "reserve": (lambda: DRIVE.resilience_sweep(axial_force=[-20, -10]), 3, ["Energy", "[J]", "Axial force"]),
     "branch": (branch, 2, ["Amplitude", "Period of the cycle", "Axial force", "[s]"]),
     "chart": (
-        lambda: DRIVE.chart(("mass", 9, 12, 4), ("axial_force", -40, 40, 4)), 1, ["Translating mass", "[kg]"],
+        lambda: DRIVE.chart(("mass", 10, 14, 4), ("axial_force", -40, 40, 4)), 1, ["Translating mass", "[kg]"],
     ),
     "map": (lambda: DRIVE.attraction({"u": (-0.1, 0.1, 4), "w": (-60, 60, 4)}), 1, ["rad"]),
 }  # fmt: skip

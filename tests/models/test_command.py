@@ -34,7 +34,15 @@ def followed(drive: Drive, start: np.ndarray, duration: float, command: Command 
 
 
 @pytest.mark.parametrize("motor", [False, True])
-@pytest.mark.parametrize("seeds", [range(8), pytest.param(range(8, 56), marks=pytest.mark.slow)], ids=["few", "many"])
+@pytest.mark.parametrize(
+    "seeds",
+    [
+        range(8),
+        pytest.param(range(8, 32), marks=pytest.mark.slow),
+        pytest.param(range(32, 56), marks=pytest.mark.search),
+    ],
+    ids=str,
+)
 def test_motions_obey_newtons_laws(seeds, motor):
     """Ends of arcs to 1e-9 and what modes say of signs and holds, of drives with any parts, from rest or not."""
     kinds, parts, done = set(), set(), 0

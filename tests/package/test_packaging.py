@@ -21,10 +21,9 @@ import grimp
 import pytest
 import yaml
 from references.drives import GIVEN
-from references.figure_checks import dataset_of, draft
+from references.figure_checks import draft
 
 import lsvib
-from lsvib.datasets.io import write_dataset
 from lsvib.figures.configuration import default_figures
 
 ROOT = Path(__file__).parents[2]
@@ -182,16 +181,6 @@ def test_a_dataset_is_built_without_matplotlib():
         packages = {parent.rsplit(".", n)[0] for parent in closure for n in range(1, parent.count(".") + 1)}
         assert not matplotlib, figure
         assert ours <= closure | packages, figure
-
-
-@pytest.mark.slow
-def test_a_picture_is_drawn_from_its_file_without_the_engine(tmp_path):
-    for figure in FIGURES:
-        write_dataset(dataset_of(figure), tmp_path / f"{figure}.nc")
-    code = "from lsvib.datasets.io import read_dataset; module.draw(read_dataset(figure + '.nc'))"
-    for figure, (numba, ours) in loaded("matplotlib.backends.backend_agg", "numba", code, tmp_path).items():
-        assert not numba, figure
-        assert "lsvib.engine.motion" not in ours, figure
 
 
 REFERENCES = Path(__file__).parents[1] / "references"
