@@ -176,12 +176,16 @@ def legend(
 
 
 def save(
-    figure: Figure, png: str | os.PathLike[str], pdf: str | os.PathLike[str] | None = None, *, resolution: float = 300
+    figure: Figure,
+    png: str | os.PathLike[str] | None,
+    pdf: str | os.PathLike[str] | None = None,
+    *,
+    resolution: float = 300,
 ) -> None:
     """Write the figure as PNG and PDF, each whole or not at all and without a date, so equal runs give equal files.
 
-    ``pdf``: None for no PDF; ``resolution`` [dots per inch] of the PNG. The layout is found once, for the PNG; the PDF
-    has the same. Raises ``LsvibError`` if a file cannot be written.
+    ``png``, ``pdf``: None for none; ``resolution`` [dots per inch] of the PNG. The layout is found once, for the PNG;
+    the PDF has the same. Raises ``LsvibError`` if a file cannot be written.
     """
     # With an engine of layout, be it the one named "none", each file would be drawn once more, unseen, to lay it out.
     with _look(**{"figure.constrained_layout.use": False}):
