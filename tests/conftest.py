@@ -1,11 +1,14 @@
 """Puts ``tests`` on the path (``from references import ...``), makes hypothesis reproducible, and orders the files."""
 
+import os
 import sys
 from importlib.util import find_spec
 
 import pytest
 from hypothesis import settings
 
+# Matrices are small: threads of linear algebra, on cores that other tests keep busy, make one a hundred times slower.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 pytest.register_assert_rewrite("references")
 
 # Assessments and fits need the packages of the extra ``assess``, which requirements.txt installs.

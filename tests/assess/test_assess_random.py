@@ -116,12 +116,13 @@ def test_random_sheets_are_answered(index, tmp_path):
 
 @pytest.mark.slow
 def test_more_random_sheets_are_answered_in_time(tmp_path):
-    """Of each sheet the second answer is timed, with the kernels that it needs compiled; the limit is that of a quiet
-    machine, of which a busy one takes up to three times as much.
+    """Of a sheet that took too long the second answer is timed, with the kernels that it needs compiled; the limit is
+    that of a quiet machine, of which a busy one takes up to three times as much.
     """
     for index in range(40):
         path = written(tmp_path, 2, index)
-        if answered(path) is not None:
+        spent = answered(path)
+        if spent is not None and spent > 3 * MOST:
             assert answered(path) <= 3 * MOST, index
 
 

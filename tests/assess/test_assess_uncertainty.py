@@ -136,9 +136,9 @@ def test_what_the_basin_does_not_cover_is_not_known():
     given = sheet(load={"mass": ["10.9 kg", "11 kg"], "force": "50 N"}, contact=contact, **GENTLE)
     found = assess(given, samples=64)
     assert as_json(found)["after_perturbation"] == {"possible": None, "probability": None, "interval": None}
-    page = report(found, charts(found.draw))
-    assert "Whether a perturbation can start vibration is not known." in page
-    assert {KINDS[k] for k in np.unique(charts(found.draw)[0].kind)} >= {"steady_once_started"}
+    drawn = charts(found.draw)
+    assert "Whether a perturbation can start vibration is not known." in report(found, drawn)
+    assert {KINDS[k] for k in np.unique(drawn[0].kind)} >= {"steady_once_started"}
 
 
 # T-RO 2021, drive 1 (docs/friction.md), with the stiffness that its own record shows: it jerks at 2 rpm, not at 10.

@@ -134,10 +134,10 @@ def test_points_of_curves_are_roots():
 def test_a_chart_is_a_dataset_and_that_of_the_workflow(tmp_path):
     settings = {
         "drive": {"input_speed": 30.0},
-        "x": {"parameter": "mass", "start": 1.0, "stop": 15.0, "count": 7},
+        "x": {"parameter": "mass", "start": 9.0, "stop": 15.0, "count": 7},
         "y": {"parameter": "axial_force", "start": 0.0, "stop": 60.0, "count": 5},
     }
-    found = lsvib.Drive(input_speed=30).chart("mass=1:15:7", ("axial_force", 0, 60, 5), workers=3)
+    found = lsvib.Drive(input_speed=30).chart("mass=9:15:7", ("axial_force", 0, 60, 5), workers=3)
     assert (found.label.dims, found.label.dtype) == (("axial_force", "mass"), np.int8)
     assert found.fraction.sum() == pytest.approx(1)
     assert {"mass", "axial_force"}.isdisjoint(json.loads(found.attrs["parameters"]))

@@ -119,7 +119,9 @@ def test_release_without_a_jump_of_force():
     assert found["release"] >= 40
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("block", range(3))
-def test_many_random_motions(block):
-    assert compare_random(range(14 + 30 * block, 44 + 30 * block))["events"] > 20
+@pytest.mark.parametrize(
+    "seeds",
+    [pytest.param(range(14, 44), marks=pytest.mark.slow), pytest.param(range(44, 104), marks=pytest.mark.search)],
+)
+def test_many_random_motions(seeds):
+    assert compare_random(seeds)["events"] > 20

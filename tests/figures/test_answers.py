@@ -15,7 +15,7 @@ COMMAND = {"times": [0, 0.1, 0.2], "speeds": [0, 40, 0]}
 
 def branch() -> xr.Dataset:
     drive = lsvib.Drive(mass=11, support_damping=2e-3, axial_force=-18)
-    return branch_dataset(drive, drive.follow(drive.cycles().cycles[0], "axial_force", (-19, -17)))
+    return branch_dataset(drive, drive.follow(drive.cycles().cycles[0], "axial_force", (-18.2, -17.8)))
 
 
 ANSWERS = {  # what makes it, panels with data, words and units that they show
@@ -30,7 +30,8 @@ ANSWERS = {  # what makes it, panels with data, words and units that they show
     "reserve": (lambda: DRIVE.resilience_sweep(axial_force=[-20, -10]), 3, ["Energy", "[J]", "Axial force"]),
     "branch": (branch, 2, ["Amplitude", "Period of the cycle", "Axial force", "[s]"]),
     "chart": (
-        lambda: DRIVE.chart(("mass", 9, 12, 4), ("axial_force", -40, 40, 4)), 1, ["Translating mass", "[kg]"],
+        lambda: DRIVE.chart(("contact_stiffness", 1e6, 1e9, 3), ("contact_damping", 1e3, 1e6, 3)), 1,
+        ["Stiffness of the thread contact", "[N m⁻¹]"],
     ),
     "map": (lambda: DRIVE.attraction({"u": (-0.1, 0.1, 4), "w": (-60, 60, 4)}), 1, ["rad"]),
 }  # fmt: skip

@@ -9,6 +9,7 @@ from functools import cache
 import numpy as np
 import pytest
 import xarray as xr
+from package.test_packaging import loaded
 from references.bodies import Bodies
 from references.figure_checks import assert_drawn_from_file, checks_of, dataset_of, scale, set_to
 from scipy.integrate import solve_ivp
@@ -138,6 +139,16 @@ def test_it_is_drawn_from_its_file(figure, tmp_path):
         axes = style.new_figure().add_subplot()
         file.normal_force[(0,) * (file.time.ndim - 1)].plot(ax=axes, x="time")
         assert len(axes.get_title()) < 80
+
+
+@pytest.mark.slow
+def test_a_picture_is_drawn_from_its_file_without_the_engine(tmp_path):
+    for figure in default_figures():
+        write_dataset(dataset_of(figure), tmp_path / f"{figure}.nc")
+    code = "from lsvib.datasets.io import read_dataset; module.draw(read_dataset(figure + '.nc'))"
+    for figure, (numba, ours) in loaded("matplotlib.backends.backend_agg", "numba", code, tmp_path).items():
+        assert not numba, figure
+        assert "lsvib.engine.motion" not in ours, figure
 
 
 def test_a_name_has_one_meaning_in_all_files():

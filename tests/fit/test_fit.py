@@ -11,6 +11,7 @@ import yaml
 from references.measured import LAW, SPEEDS, square, torque, write_tables
 
 import lsvib
+from lsvib.assess.output import assess_file
 from lsvib.assess.quantities import square_coefficient
 from lsvib.assess.sheet import Friction
 from lsvib.datasets.io import read_dataset
@@ -54,6 +55,37 @@ def test_the_half_sums_of_the_measured_screw_are_those_computed_apart(screw):
     assert found[10][1] == pytest.approx(0.5 * (2.7611 - 3.4172), abs=6e-5)
 
 
+def test_the_jerks_of_the_measured_screw(screw, tmp_path):
+    """Period and stiffness of both records; their numbers, and a data sheet that jerks where the screw did."""
+    result = as_json(screw)
+    json.dumps(result, allow_nan=False)
+    jerks = {record["file"]: record for record in result["records"] if record["kind"] == "jerks"}
+    assert set(jerks) == {"2.csv", "n2.csv"}
+    for record_ in jerks.values():
+        assert 1 / record_["period"] == pytest.approx(2.489, abs=0.5 / 64)  # half of what the spectrum of 64 s resolves
+        assert record_["stiffness"] == pytest.approx(0.0215, abs=0.0015)
+        assert set(record_["standard_errors"]) >= {"period", "stiffness", "breakaway", "after"}
+    assert {record["kind"] for record in result["records"] if record["file"] not in jerks} == {"even"}
+    told = result["stick_slip"]
+    assert told["stiffness"] == pytest.approx(0.0215, abs=0.0015)
+    assert told["bounds"][0] < told["damping"] < told["bounds"][1]
+    assert 2 * RPM < told["even_speed"] < 10 * RPM
+    assert any("that drive jerks every" in text for text in sentences(screw))
+    parts = yaml.safe_load(blocks(result))
+    data = {
+        "name": "as measured",
+        "thread": {"lead": "2 mm", "pitch_diameter": "11 mm", "half_angle": "15 deg"},
+        "screw": {"inertia": "2.186e-6 kg*m^2"},
+        "load": {"mass": "0.276 kg", "force": "-0.9414 N", "orientation": "horizontal"},
+        "operation": {"speed": ["2 rpm", "20 rpm"]},
+        **{key: parts[key] for key in ("friction", "coupling", "damping")},
+    }
+    (tmp_path / "sheet.yaml").write_text(yaml.safe_dump(data))
+    verdict = assess_file(tmp_path / "sheet.yaml", None, samples=64)
+    assert verdict["verdict"] == "jerks"
+    assert verdict["from_rest"]["even_speed"] == pytest.approx(told["even_speed"], rel=0.02)
+
+
 def test_the_published_bearing_gives_a_friction_near_the_published(screw, tmp_path):
     """Published: 0.27, with a rise of 0.1; friction of the carriage is apart there, and one of the bearing here."""
     sheet = yaml.safe_load(SCREW.read_text())
@@ -92,16 +124,15 @@ def test_the_blocks_are_taken_by_data_sheet_scene_and_shell(screw, run):
     assert json.loads(out)["stribeck_speed"]["value"] == pytest.approx(drive.stribeck_speed)
 
 
-def test_the_command_writes_all_and_says_what_it_found(run):
+def test_the_command_writes_all_and_says_what_it_found(screw, run):
     code, out, error = run("fit", str(SCREW), "--out", "fitted")
     assert (code, error) == (0, "")
     assert "not separable" in out
     assert "Left out of n2.csv: the screw jerks 2.49 times a second" in out
     files = {path.name for path in Path("fitted").iterdir()}
     assert files == {"fit.nc", "fit.json", "fit.png", "fit.pdf", "friction.yaml"}
-    code, out, _ = run("fit", str(SCREW), "--json")
-    found = json.loads(out)
-    assert found == json.loads(Path("fitted/fit.json").read_text())
+    found = json.loads(Path("fitted/fit.json").read_text())
+    assert found == json.loads(json.dumps(as_json(screw)))
     assert {"friction", "bearing", "rms", "largest_residual", "points", "not_separable"} <= set(found)
     data = read_dataset("fitted/fit.nc")
     assert float(np.sqrt(np.mean(data.residual[0] ** 2))) == pytest.approx(found["rms"])
@@ -300,7 +331,7 @@ def test_tables_without_any_noise_make_json(tmp_path, run):
     """No residual, no scatter: nothing that JSON does not know."""
     path = write_tables(tmp_path, noise=0.0, samples=1, friction={"stribeck_rise": 0, "coefficient": 0.15})
     code, out, _ = run("fit", str(path), "--json")
-    assert code == 0
+    assert (code, json.loads(out)) == (0, json.loads(json.dumps(as_json(fit_sheet(path)))))
     assert json.loads(out)["measured"][0]["torque_scatter"] is None
 
 

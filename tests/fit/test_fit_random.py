@@ -31,8 +31,8 @@ def answered(folder, seed, index):
 
 
 def test_random_tables_are_answered_or_refused(tmp_path):
-    answers = [answered(tmp_path, 1, index) for index in range(40)]
-    assert 5 <= sum(answers) <= 35
+    answers = [answered(tmp_path, 1, index) for index in range(20)]
+    assert 3 <= sum(answers) <= 17
 
 
 @pytest.mark.search

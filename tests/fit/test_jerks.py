@@ -2,7 +2,6 @@
 
 import json
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,14 +9,11 @@ import yaml
 from references.starts import STEP, commanded, motion, recorded
 
 import lsvib
-from lsvib.assess.output import assess_file
 from lsvib.errors import InputError
 from lsvib.fit.output import as_json, blocks, sentences, text_of
 from lsvib.fit.sheet import fit_sheet
 from lsvib.fit.stick_slip import combined, slowest
 
-ROOT = Path(__file__).parents[2]
-SCREW = ROOT / "examples" / "measured_screw" / "measured_screw.yaml"
 RPM = math.pi / 30
 KNOWN = lsvib.Drive(
     pitch_radius=5.5e-3, lead_angle=math.atan(2 / (11 * math.pi)), screw_inertia=2.2e-6, mass=0.3, axial_force=-2.0,
@@ -90,38 +86,6 @@ def test_a_drive_is_found_again_by_its_records(folder):
     assert len(told.periods) == 2
     for seen, model in told.periods:
         assert seen == pytest.approx(model, rel=0.3)  # with the damping in the middle of its bounds
-
-
-def test_the_measured_screw(tmp_path):
-    """Period and stiffness of both records; their numbers, and a data sheet that jerks where the screw did."""
-    found = fit_sheet(SCREW)
-    result = as_json(found)
-    json.dumps(result, allow_nan=False)
-    jerks = {record["file"]: record for record in result["records"] if record["kind"] == "jerks"}
-    assert set(jerks) == {"2.csv", "n2.csv"}
-    for record_ in jerks.values():
-        assert 1 / record_["period"] == pytest.approx(2.489, abs=0.5 / 64)  # half of what the spectrum of 64 s resolves
-        assert record_["stiffness"] == pytest.approx(0.0215, abs=0.0015)
-        assert set(record_["standard_errors"]) >= {"period", "stiffness", "breakaway", "after"}
-    assert {record["kind"] for record in result["records"] if record["file"] not in jerks} == {"even"}
-    told = result["stick_slip"]
-    assert told["stiffness"] == pytest.approx(0.0215, abs=0.0015)
-    assert told["bounds"][0] < told["damping"] < told["bounds"][1]
-    assert 2 * RPM < told["even_speed"] < 10 * RPM
-    assert any("that drive jerks every" in text for text in sentences(found))
-    parts = yaml.safe_load(blocks(result))
-    data = {
-        "name": "as measured",
-        "thread": {"lead": "2 mm", "pitch_diameter": "11 mm", "half_angle": "15 deg"},
-        "screw": {"inertia": "2.186e-6 kg*m^2"},
-        "load": {"mass": "0.276 kg", "force": "-0.9414 N", "orientation": "horizontal"},
-        "operation": {"speed": ["2 rpm", "20 rpm"]},
-        **{key: parts[key] for key in ("friction", "coupling", "damping")},
-    }
-    (tmp_path / "sheet.yaml").write_text(yaml.safe_dump(data))
-    verdict = assess_file(tmp_path / "sheet.yaml", None, samples=64)
-    assert verdict["verdict"] == "jerks"
-    assert verdict["from_rest"]["even_speed"] == pytest.approx(told["even_speed"], rel=0.02)
 
 
 def test_what_is_not_told_has_a_reason(folder, tmp_path):

@@ -110,7 +110,13 @@ def balanced(seeds, **more: bool) -> list[tuple[str, ...]]:
 
 
 @pytest.mark.parametrize(
-    "seeds", [range(40), pytest.param(range(40, 400), marks=pytest.mark.slow)], ids=["few", "many"]
+    "seeds",
+    [
+        range(24),
+        pytest.param(range(24, 120), marks=pytest.mark.slow),
+        pytest.param(range(120, 400), marks=pytest.mark.search),
+    ],
+    ids=len,
 )
 def test_motions_obey_newtons_laws(seeds):
     """States along arcs and N, and all along each arc what its mode says of signs and of what friction can hold."""

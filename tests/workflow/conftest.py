@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from tools.snakemake_run import snakemake
 
 ROOT = Path(__file__).parents[2]
 PARTS = ("Snakefile", "benchmarks", "config", "examples", "profiles", "src", "tests/references", "workflow")
@@ -20,22 +21,14 @@ class Project:
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         self.environment = {**os.environ, "PYTHONPATH": str(folder / "src")}
-        self.command = [sys.executable, "-m", "snakemake", "-j2"]
 
     def __call__(self, *arguments: str) -> subprocess.CompletedProcess:
         """Run Snakemake and wait; stderr goes where stdout goes, as on a terminal."""
-        return subprocess.run(
-            [*self.command, *arguments],
-            cwd=self.folder,
-            env=self.environment,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
-        )
+        return snakemake(self.folder, self.environment, "-j2", *arguments)
 
     def start(self, *arguments: str) -> subprocess.Popen:
         return subprocess.Popen(
-            [*self.command, *arguments],
+            [sys.executable, "-m", "snakemake", "-j2", *arguments],
             cwd=self.folder,
             env=self.environment,
             stdout=subprocess.DEVNULL,

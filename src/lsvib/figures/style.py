@@ -174,11 +174,11 @@ def legend(
     return figure
 
 
-def save(figure: Figure, png: File, pdf: File | None = None, *, resolution: float = 300) -> None:
+def save(figure: Figure, png: File | None, pdf: File | None = None, *, resolution: float = 300) -> None:
     """Write the figure as PNG and PDF, each whole or not at all and without a date, so equal runs give equal files.
 
-    ``pdf``: None for no PDF; ``resolution`` [dots per inch] of the PNG. The layout is found once, for the PNG; the PDF
-    has the same. Raises ``LsvibError`` if a file cannot be written.
+    ``png``, ``pdf``: None for none; ``resolution`` [dots per inch] of the PNG. The layout is found once, for the PNG;
+    the PDF has the same. Raises ``LsvibError`` if a file cannot be written.
     """
     from matplotlib.mathtext import MathTextParser
 

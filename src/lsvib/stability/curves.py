@@ -21,7 +21,7 @@ from contourpy import contour_generator
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.errors import NoThreshold
 from lsvib.models import friction
-from lsvib.models.drive import Drive, zero_if_close
+from lsvib.models.drive import Drive, once, zero_if_close
 from lsvib.models.mechanics import LinearParts, coefficients
 from lsvib.models.model import model_of
 from lsvib.models.thresholds import TABLE
@@ -61,6 +61,7 @@ def boundary_curves(drive: Drive, x: AxisSpan, y: AxisSpan) -> dict[ChartBoundar
     """
     names, found = (x[0], y[0]), {}
     corners = [drive.replace(**{x[0]: first, y[0]: second}) for first, second in product(x[1], y[1])]
+    functions: dict[int, dict[ChartBoundary, PlaneFunction]] = {33: {}, 65: {}}  # by the number of nodes along an axis
     for kind in sorted(ChartBoundary[name.upper()] for name in model_of(drive).curves):
         holds = TABLE[kind.name.lower()]
         if holds.constant and any(friction.refusal(corner, holds.rest) for corner in corners):
@@ -68,16 +69,18 @@ def boundary_curves(drive: Drive, x: AxisSpan, y: AxisSpan) -> dict[ChartBoundar
         # R̃ is linear in each parameter that it depends on.
         if kind is ChartBoundary.FLUTTER and not any(map(sliding_law, corners)):
             continue
-        bisected = kind is ChartBoundary.EVEN_SPEED  # each step gains one bit only
-        slow = bisected or kind is ChartBoundary.FLUTTER or (kind in _FORCES and "axial_force" not in names)
-        spacings = [np.geomspace if name in LOGARITHMIC else np.linspace for name in names]
-        nodes = [spaced(*ends, 33 if slow else 65) for spaced, (_, ends) in zip(spacings, (x, y), strict=True)]
-        function = _function(drive, kind, names)
-        values = np.array([[function(a, b) for a in nodes[0]] for b in nodes[1]])
-        lines = contour(function, *nodes, values, 1e-9 if bisected else _ROUNDED)
-        if lines:
-            found[kind] = lines
-    return found
+        slow = kind in (ChartBoundary.EVEN_SPEED, ChartBoundary.FLUTTER)
+        slow = slow or (kind in _FORCES and "axial_force" not in names)
+        functions[33 if slow else 65][kind] = _function(drive, kind, names)
+    spacings = [np.geomspace if name in LOGARITHMIC else np.linspace for name in names]
+    for count, own in functions.items():
+        nodes = [spaced(*ends, count) for spaced, (_, ends) in zip(spacings, (x, y), strict=True)]
+        values = np.array([[[function(a, b) for function in own.values()] for a in nodes[0]] for b in nodes[1]])
+        for place, (kind, function) in enumerate(own.items()):
+            bisected = kind is ChartBoundary.EVEN_SPEED  # each step gains one bit only
+            if lines := contour(function, *nodes, values[..., place], 1e-9 if bisected else _ROUNDED):
+                found[kind] = lines
+    return dict(sorted(found.items()))
 
 
 def contour(
@@ -123,10 +126,9 @@ def _function(drive: Drive, kind: ChartBoundary, names: tuple[str, str]) -> Plan
 
     def function(first: float, second: float) -> float:
         """Return the value at a place of the plane, of the sign that the exact condition has there."""
-        place = zip(names, (first, second), strict=True)
-        changed = drive.replace(**{name: zero_if_close(name, float(value)) for name, value in place})
+        changed = _at(drive, *zip(names, (float(first), float(second)), strict=True))
         if kind in _FORCES:
-            return changed.axial_force - force(changed.replace(axial_force=0.0))
+            return changed.axial_force - force(_at(changed, ("axial_force", 0.0)))
         if kind is ChartBoundary.EVEN_SPEED:
             return starts_evenly(changed)
         if kind is ChartBoundary.FLUTTER:
@@ -136,6 +138,12 @@ def _function(drive: Drive, kind: ChartBoundary, names: tuple[str, str]) -> Plan
         return _closed_form(changed, kind)
 
     return function
+
+
+@once
+def _at(drive: Drive, *place: tuple[str, float]) -> Drive:
+    """Return the drive at a place of the plane."""
+    return drive.replace(**{name: zero_if_close(name, value) for name, value in place})
 
 
 def _closed_form(drive: Drive, kind: ChartBoundary) -> float:
