@@ -111,7 +111,7 @@ def _group(drives: ManyDrives, members: np.ndarray, parts: tuple[str, ...]) -> G
         automaton, m = _layered(modes.automaton(), size), modes.m
         safe = _finite(automaton, size)
     states = (np.broadcast_to(state(m), (size, len(m.states))) for state in (seated, standing))
-    return Group(members, safe, automaton, double(m.steady_normal_force), *states)
+    return Group(members, safe, automaton, abs(double(m.steady_normal_force)), *states)
 
 
 def _alike(automaton: Automaton, rough: Automaton) -> np.ndarray:

@@ -163,8 +163,8 @@ class Mechanism:
 
     @property
     def steady_normal_force(self) -> Any:
-        """Return |N_0| of steady sliding [N] (eq. 8.15): N_0 (cos λ + s_0 μ sin λ) = R̃."""
-        return abs(self.force / (self.d.cos_lead + self.steady_law * self.d.steady_friction * self.d.sin_lead))
+        """Return N_0 of steady sliding [N] (eq. 8.15): N_0 (cos λ + s_0 μ sin λ) = R̃."""
+        return self.force / (self.d.cos_lead + self.steady_law * self.d.steady_friction * self.d.sin_lead)
 
     def rates(self, slips: bool, held: Iterable[str]) -> dict[str, Row]:
         """Return the rows of θ′, x_1′, θ_2′ and e′ by part, which rest and bodies that are held tie to each other."""
@@ -360,8 +360,7 @@ def seated(mechanism: Mechanism) -> np.ndarray:
     """Return the state of steady sliding: compliant threads are compressed by N_0, all else is measured from it."""
     state, d = [0] * len(mechanism.states), mechanism.d
     if mechanism.compliant:
-        share = d.cos_lead + mechanism.steady_law * d.steady_friction * d.sin_lead
-        state[mechanism.place["threads"]] = mechanism.force / (share * d.cos_lead * d.contact_stiffness)
+        state[mechanism.place["threads"]] = mechanism.steady_normal_force / (d.cos_lead * d.contact_stiffness)
     return doubles(state, (len(state),))
 
 

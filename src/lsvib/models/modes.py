@@ -90,15 +90,15 @@ class Modes:
         m = self.m
         for name in m.own if self.seizes else ():
             raise InputError(
-                f"{name}_friction = {_size(m.limits[name]):g} needs a drive outside the Painlevé region: inside, the "
+                f"{name}_friction = {size_of(m.limits[name]):g} needs a drive outside the Painlevé region: inside, the "
                 f"threads can seize, and what follows is not determined while the {name} holds."
             )
         if "slide" in m.own and not m.compliant:
             inertia, mass = m.effective(["slide"])
             if sign(inertia - m.turned * mass, "screw_mass") <= 0:
                 raise InputError(
-                    f"slide_friction = {_size(m.limits['slide']):g} needs screw_mass < "
-                    f"{_size(inertia / m.turned):.6g} kg: above, the threads jam while the slide is held, and the "
+                    f"slide_friction = {size_of(m.limits['slide']):g} needs screw_mass < "
+                    f"{size_of(inertia / m.turned):.6g} kg: above, the threads jam while the slide is held, and the "
                     "motion is not determined."
                 )
 
@@ -372,6 +372,6 @@ def still_flow(found: Solution) -> TaylorMode:
     return still_mode([zero if i in found.frozen else row for i, row in enumerate(found.field)])
 
 
-def _size(value: Any) -> float:
+def size_of(value: Any) -> float:
     """A number to be shown; of many drives the largest."""
     return float(np.max(double(value)))
