@@ -95,8 +95,8 @@ def mean_load(drive: Drive, orbit: Motion) -> MeanLoad:
     impulses = event_impulses(drive, orbit)
     sine, cosine = math.sin(drive.lead_angle), math.cos(drive.lead_angle)
     automaton, (modes, starts, ends, durations) = orbit.automaton, orbit.arcs()
-    found = observable_integrals(orbit, ("normal_force", "coupling_torque", "coupling_deflection"))
-    normal, torque, deflection = found.T
+    seen = "normal_force", "coupling_torque", "coupling_deflection"
+    normal, torque, deflection = observable_integrals(orbit, seen).T
     # Neither θ′ nor N changes its sign along an arc.
     force = automaton.observe("normal_force", starts, modes) + automaton.observe("normal_force", ends, modes)
     law = np.sign(force * (2 * drive.input_speed + starts[:, 1] + ends[:, 1]))
@@ -104,8 +104,7 @@ def mean_load(drive: Drive, orbit: Motion) -> MeanLoad:
     rests = np.isin(automaton.codes[modes], automaton.rest_codes)
     axial = np.where(rests, drive.axial_force * durations, normal * cosine + rubbed * sine)
     torque = np.where(rests, torque, drive.pitch_radius * (rubbed * cosine - normal * sine))
-    impulsive = float(np.sum(np.abs(impulses.normal)))
-    period = orbit.end_time
+    impulsive, period = float(np.sum(np.abs(impulses.normal))), orbit.end_time
     return MeanLoad(
         normal=float(np.abs(normal).sum() + impulsive) / period,
         impulsive=impulsive / period,

@@ -70,6 +70,5 @@ def extremes_of(tables: Tables) -> tuple[int, int]:
     """Return the address of the extremes over arcs for the tables of an automaton, and that which they call."""
     n, flow = tables.surfaces.shape[1] - 1, tables.flow
     arcs = np.zeros(0, dtype=np.int64), np.empty((0, n)), np.empty(0), np.empty((0, n + 1))
-    inner = jit.address(event_loop.extremes_of_arcs, flow, *arcs)
-    kind = _KINDS[_PLACES[type(flow)]]
+    inner, kind = jit.address(event_loop.extremes_of_arcs, flow, *arcs), _KINDS[_PLACES[type(flow)]]
     return jit.address(kernels.extremes, kind, inner, of_one_type(tables).flow, *arcs), inner

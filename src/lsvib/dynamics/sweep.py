@@ -42,8 +42,6 @@ from lsvib.numbers import Progress
 Starts = Mapping[str, np.ndarray | float]
 WORK = 300_000.0  # events that a motion may take
 _WITHOUT_NUMBERS = (Attractor.UNRESOLVED, Attractor.UNBOUNDED)
-
-
 # What a motion ends on; not a number where it has no such number.
 ENDING = np.dtype(
     [
@@ -126,7 +124,7 @@ def endings_at_once(
     """
     found, is_open = _unknown(drives.size), np.ones(drives.size, dtype=bool)
     # drives whose tables are made at once: half a gigabyte of numbers for all of a long sweep would be too many
-    size = max(1, min(8192 if drives.plain.all() else 1024, -(-drives.size // workers)))
+    size = max(1, min(1024 if drives.one(0).parts else 8192, -(-drives.size // workers)))
     blocks = [np.arange(first, min(first + size, drives.size)) for first in range(0, drives.size, size)]
 
     def fill(block: np.ndarray) -> int:

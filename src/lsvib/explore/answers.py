@@ -120,9 +120,7 @@ def at_once(drive: Drive) -> bool:
 
 def cells_of(drive: Drive) -> tuple[int, int]:
     """Return the columns and rows of the map that is drawn when the hand rests."""
-    if not drive.rigid:
-        return COARSE
-    return SETTLED if at_once(drive) else DRAGGED
+    return SETTLED if at_once(drive) else DRAGGED if drive.rigid else COARSE
 
 
 def laborious(drive: Drive) -> bool:

@@ -187,10 +187,8 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     impact = ~named(dataset.region, "cycle")
     stops, brief = dataset.stop_time.values[impact], dataset.stop_time_order.values[impact]
     fitted = dataset.contact_stiffness.values >= float(dataset.fit_from)
-    stiff, numbers = (
-        dataset.isel(contact_stiffness=fitted),
-        {"order": _ORDER, "stiffest": dataset.contact_stiffness[-1]},
-    )
+    numbers = {"order": _ORDER, "stiffest": dataset.contact_stiffness[-1]}
+    stiff = dataset.isel(contact_stiffness=fitted)
     seizes, turns = (named(stiff.indeterminate_event, kind) for kind in ("stick", "contact reversal"))
     time = stiff.indeterminate_time.values[:, 0]
     error = np.abs(np.stack([stiff.formula_velocity, stiff.formula_velocity_limit]) - 1)

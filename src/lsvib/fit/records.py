@@ -226,8 +226,7 @@ def _quick(base: Array, values: Array) -> Array:
 
 def sawtooth(phase: Array, width: float) -> Array:
     """Return teeth over a phase in turns: they climb from −1/2 to 1/2, fall at whole phases, averaged over a width."""
-    edges = phase + 0.5 * width, phase - 0.5 * width
-    later, sooner = (edge - np.floor(edge) - 0.5 for edge in edges)  # sooner than % 1
+    later, sooner = (edge - np.floor(edge) - 0.5 for edge in (phase + 0.5 * width, phase - 0.5 * width))
     return 0.5 * (later**2 - sooner**2) / width
 
 

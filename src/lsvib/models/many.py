@@ -82,19 +82,19 @@ def groups(drives: ManyDrives, entries: np.ndarray) -> Iterator[Group]:
 
     Drives that are in no group must be made exactly, too. Raises ``InputError`` as the model does.
     """
-
-    parts, waiting = drives.one(0).parts, [entries[drives.plain[entries]], entries[~drives.plain[entries]]]
+    parts, plain = drives.one(0).parts, drives.plain[entries]
+    waiting = [members for members in (entries[plain], entries[~plain]) if members.size]
     while waiting:
         members = waiting.pop()
         try:
             with np.errstate(all="ignore"):  # what overflows or divides by zero is not safe
-                made = _group(drives, members, parts) if members.size else None
+                made = _group(drives, members, parts)
         except Divided as apart:
             waiting += [members[apart.signs == value] for value in np.unique(apart.signs)]
         except EngineError:
             continue  # rates that lie too far apart: made exactly, each says so itself
         else:
-            yield from [made] if made else []
+            yield made
 
 
 def _group(drives: ManyDrives, members: np.ndarray, parts: tuple[str, ...]) -> Group:
