@@ -111,7 +111,7 @@ def test_sheets_of_a_shop_are_answered(text, tmp_path):
 
 @pytest.mark.parametrize("index", range(6))
 def test_random_sheets_are_answered(index, tmp_path):
-    assert answered(written(tmp_path, 1, index), tmp_path / "report" if index % 3 == 0 else None) is not None
+    assert answered(written(tmp_path, 1, index), tmp_path / "report" if index == 3 else None) is not None
 
 
 @pytest.mark.slow

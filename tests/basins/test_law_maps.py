@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from references.sizes import sizes
 
 import lsvib
 from lsvib.basins.grid import Axis, Grid
@@ -55,15 +56,10 @@ def differences(name, count, cells):
     return wrong
 
 
+@pytest.mark.parametrize("size", sizes([(100, 60)], [], [(500, 10_000)]))
 @pytest.mark.parametrize("name", LAWS)
-def test_labels_against_the_rule(name):
-    assert differences(name, 100, 60) == 0
-
-
-@pytest.mark.search
-@pytest.mark.parametrize("name", LAWS)
-def test_many_labels_against_the_rule(name):
-    assert differences(name, 500, 10_000) == 0
+def test_labels_against_the_rule(name, size):
+    assert differences(name, *size) == 0
 
 
 def test_a_start_at_rest_and_cells_one_by_one():

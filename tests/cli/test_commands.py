@@ -17,6 +17,9 @@ from lsvib.models.drive import PARTS, Drive
 SLIDING = lsvib.Drive(translation_damping=1000)
 FOLD = ("--set", "mass=11", "--set", "support_damping=2e-3", "--set", "axial_force=-18.37")
 WINDOW = {"u": (-0.3, 0.3), "w": (-150, 150)}
+UNKNOWN = (
+    "threads mass, threads damper, support friction_coefficient, support damper, nut mass, nut friction_coefficient"
+)
 ANSWERS = {  # of a command: what the method of the drive gives
     "stability --set mass=11": lambda: lsvib.Drive(mass=11).stability(),
     "thresholds --solve kinematic_constraint --for lead_angle --set mass=11": (
@@ -59,13 +62,7 @@ def test_thresholds_beside_those_of_the_chapter(run):
     assert table["onset"]["value"] == pytest.approx(40.413221118359644, rel=1e-14)  # twice that of c_x = 1000
 
 
-@pytest.mark.parametrize(
-    ("part", "key"),
-    [
-        *(("threads", "mass"), ("threads", "damper"), ("support", "friction_coefficient"), ("support", "damper")),
-        *(("nut", "mass"), ("nut", "friction_coefficient")),
-    ],
-)
+@pytest.mark.parametrize(("part", "key"), [case.split() for case in UNKNOWN.split(", ")])
 def test_thresholds_of_a_drive_with_a_part(run, part, key):
     key = PARTS[part][-1] if key == "damper" else key
     arguments = ("thresholds", *GIVEN[part], "--set", "mass=4", "--for", key)

@@ -11,6 +11,7 @@ pytest.importorskip("pint")
 pytest.importorskip("scipy")
 
 from references.random_sheets import random_drive
+from references.sizes import sizes
 
 UNKNOWNS = ("mass", "input_speed", "support_damping", "axial_force", "friction_coefficient", "lead_angle")
 
@@ -55,15 +56,9 @@ def check(run, seed, index):
     return codes
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("index", range(4))
-def test_commands_answer_or_refuse(run, index):
-    codes = check(run, 1, index)
+@pytest.mark.parametrize(
+    "drive", sizes([], [(1, k) for k in range(4)], [*((1, k) for k in range(4, 8)), *((2, k) for k in range(300))])
+)
+def test_commands_answer_or_refuse(run, drive):
+    codes = check(run, *drive)
     assert 0 in codes or not codes  # no drive: a refused sheet
-
-
-@pytest.mark.search
-@pytest.mark.parametrize(("seed", "index"), [*((1, k) for k in range(4, 8)), *((2, k) for k in range(300))])
-def test_commands_answer_or_refuse_300_drives(run, seed, index):
-    codes = check(run, seed, index)
-    assert 0 in codes or not codes

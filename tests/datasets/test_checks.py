@@ -13,7 +13,7 @@ import xarray as xr
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lsvib.datasets.checks import Check, counts, failures, printed, printed_thresholds, report
+from lsvib.datasets.checks import Check, counts, failures, printed, printed_thresholds, read_checks, report
 from lsvib.errors import InputError
 from lsvib.models.chapter import THRESHOLDS, claims
 from lsvib.models.chapter import printed as stated
@@ -49,6 +49,12 @@ def test_json_round_trip(computed, tolerance):
     check = Check.within("claim", "source", 2.0, computed, tolerance, "N")
     back = Check.from_json(json.loads(json.dumps(check.to_json(), allow_nan=False)))
     assert repr(back) == repr(check)
+
+
+def test_a_damaged_file_is_refused_with_its_remedy(tmp_path):
+    (tmp_path / "checks.json").write_text('[{"claim": "Critical ma')
+    with pytest.raises(InputError, match=r"not a readable file of checks; delete it, and run again what makes it\.$"):
+        read_checks(tmp_path / "checks.json")
 
 
 def test_a_claim_in_words_tells_what_was_found():

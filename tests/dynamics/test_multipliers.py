@@ -208,15 +208,9 @@ def cycles_of(model, seed, draws, sides):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("model", KINDS)
-def test_attracting_and_repelling_cycle_of_a_drive(model):
-    for cycle in cycles_of(model, 0, ON_AN_EDGE, {True, False}):
-        assert_digits(cycle)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("model", KINDS)
-def test_cycles_of_a_drive_anywhere(model):
-    for cycle in cycles_of(model, 0, ANYWHERE, {True}):
+@pytest.mark.parametrize(("draws", "sides"), [(ON_AN_EDGE, {True, False}), (ANYWHERE, {True})], ids=["edge", "any"])
+def test_cycles_of_a_drive(model, draws, sides):
+    for cycle in cycles_of(model, 0, draws, sides):
         assert_digits(cycle)
 
 

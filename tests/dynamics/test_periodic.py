@@ -216,13 +216,7 @@ def test_compliant_multipliers_of_slip_tend_to_the_rigid_one_with_order_one(driv
     assert order == pytest.approx(1.0, abs=1e-3)
 
 
-@pytest.mark.parametrize(
-    "drive",
-    [
-        PARADOX,
-        lsvib.Drive(mass=14, support_damping=5e-4, axial_force=-5),
-    ],
-)
+@pytest.mark.parametrize("drive", [PARADOX, lsvib.Drive(mass=14, support_damping=5e-4, axial_force=-5)])
 def test_with_seizures_the_order_is_one_but_for_a_logarithm(drive):
     """The gap is (a + b ln κ) / κ, as a seizure takes a time of ln κ / κ: times κ it grows alike with each power."""
     stiffnesses = np.array([1e8, 1e9, 1e10])

@@ -15,6 +15,7 @@ from contextlib import suppress
 import numpy as np
 import pytest
 from references.friction_law_digits import simulate
+from references.sizes import sizes
 
 from lsvib.engine.kernels.layout import FIRST_MODEL_KIND
 from lsvib.engine.motion import follow
@@ -119,9 +120,6 @@ def test_release_without_a_jump_of_force():
     assert found["release"] >= 40
 
 
-@pytest.mark.parametrize(
-    "seeds",
-    [pytest.param(range(14, 44), marks=pytest.mark.slow), pytest.param(range(44, 104), marks=pytest.mark.search)],
-)
+@pytest.mark.parametrize("seeds", sizes([], [range(14, 44)], [range(44, 104)]), ids=len)
 def test_many_random_motions(seeds):
     assert compare_random(seeds)["events"] > 20

@@ -12,6 +12,7 @@ import xarray as xr
 from package.test_packaging import loaded
 from references.bodies import Bodies
 from references.figure_checks import assert_drawn_from_file, checks_of, dataset_of, scale, set_to
+from references.sizes import sizes
 from scipy.integrate import solve_ivp
 
 from lsvib.basins.boundary import Boundary
@@ -129,7 +130,7 @@ def test_every_claim_is_checked_by_the_figure_that_it_names():
         assert name is None or name in made.get(entry.get("figure"), claims()), entry
 
 
-@pytest.mark.parametrize("figure", default_figures())
+@pytest.mark.parametrize("figure", sizes(default_figures()[::3], default_figures()[1::3] + default_figures()[2::3]))
 def test_it_is_drawn_from_its_file(figure, tmp_path):
     """No variable of which is empty; and a motion in it is plotted over its time."""
     assert_drawn_from_file(figure, dataset_of(figure), tmp_path / "a.nc")

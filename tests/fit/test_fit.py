@@ -107,11 +107,8 @@ def test_the_blocks_are_taken_by_data_sheet_scene_and_shell(screw, run):
     assert friction.problem() is None
     angle = screw.fit.measured.lead_angle
     drive = lsvib.Drive(**text["drive"])
-    for entry, key in (
-        ("coefficient", "friction_coefficient"),
-        ("stribeck_rise", "stribeck_rise"),
-        ("slope", "friction_slope"),
-    ):
+    keys = {"coefficient": "friction_coefficient", "stribeck_rise": "stribeck_rise", "slope": "friction_slope"}
+    for entry, key in keys.items():
         flank = getattr(friction, entry).nominal
         assert square_coefficient(flank, angle, math.radians(15)) == pytest.approx(getattr(drive, key), rel=1e-5)
     apart = yaml.safe_load(blocks(result | {"bearing": {"coulomb": 1e-3, "viscous": 3e-5}}))

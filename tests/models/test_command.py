@@ -7,6 +7,7 @@ import pytest
 from models.test_parts import random_drive
 from references.comparisons import held_against_newton
 from references.known import PARADOX
+from references.sizes import sizes
 
 import lsvib
 from lsvib.datasets.motion import Simulation, as_scene
@@ -34,15 +35,7 @@ def followed(drive: Drive, start: np.ndarray, duration: float, command: Command 
 
 
 @pytest.mark.parametrize("motor", [False, True])
-@pytest.mark.parametrize(
-    "seeds",
-    [
-        range(8),
-        pytest.param([*range(8, 30), 34], marks=pytest.mark.slow),  # of which 34 seizes
-        pytest.param([*range(30, 34), *range(35, 56)], marks=pytest.mark.search),
-    ],
-    ids=len,
-)
+@pytest.mark.parametrize("seeds", sizes([range(8)], [[*range(8, 30), 34]], [range(30, 56)]), ids=len)  # 34 seizes
 def test_motions_obey_newtons_laws(seeds, motor):
     """Ends of arcs to 1e-9 and what modes say of signs and holds, of drives with any parts, from rest or not."""
     kinds, parts, done = set(), set(), 0

@@ -8,6 +8,7 @@ from mpmath import mp, mpf
 from references.bodies import Bodies
 from references.comparisons import held_against_newton
 from references.drives import drawn, nut_drive, one_of, power, signed, support_drive, threads_drive, times, uniform
+from references.sizes import sizes
 
 from lsvib.datasets.sweep import sweep
 from lsvib.dynamics.attractor import Attractor, steady_state
@@ -109,15 +110,7 @@ def balanced(seeds, **more: bool) -> list[tuple[str, ...]]:
     return found
 
 
-@pytest.mark.parametrize(
-    "seeds",
-    [
-        range(24),
-        pytest.param(range(24, 120), marks=pytest.mark.slow),
-        pytest.param(range(120, 400), marks=pytest.mark.search),
-    ],
-    ids=len,
-)
+@pytest.mark.parametrize("seeds", sizes([range(24)], [range(24, 120)], [range(120, 400)]), ids=len)
 def test_motions_obey_newtons_laws(seeds):
     """States along arcs and N, and all along each arc what its mode says of signs and of what friction can hold."""
     drives, events, kinds = held(seeds)

@@ -172,6 +172,7 @@ def test_the_package_loads_nothing_heavy():
     assert not {"numba", "matplotlib", "xarray", "scipy", "pydantic", "numpy"} & set(done.stdout.split())
 
 
+@pytest.mark.slow
 def test_a_dataset_is_built_without_matplotlib():
     """And the workflow, which reruns a figure when a file of its import closure changes, knows all that is loaded."""
     settings = {figure: draft(figure) for figure in CHEAP}

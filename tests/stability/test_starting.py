@@ -7,6 +7,7 @@ import pytest
 from mpmath import mp, mpf
 from references.bodies import Bodies
 from references.drives import JERKING
+from references.sizes import sizes
 
 import lsvib
 from lsvib import Attractor, Drive, NoThreshold
@@ -128,19 +129,9 @@ def jerks_just_below(seeds) -> int:
     return found
 
 
-def test_below_it_the_motion_sticks_for_ever():
-    assert jerks_just_below([0, 1, 2, 4, 5, 7]) >= 5
-
-
-@pytest.mark.parametrize(
-    ("seeds", "least"),
-    [
-        pytest.param([3, 6, *range(100, 120)], 14, marks=pytest.mark.slow),
-        pytest.param(range(120, 170), 35, marks=pytest.mark.search),
-    ],
-)
-def test_below_it_the_motion_sticks_for_ever_in_fifty_drives(seeds, least):
-    assert jerks_just_below(seeds) >= least
+@pytest.mark.parametrize("seeds", sizes([[0, 1, 2, 4, 5, 7]], [range(100, 120)], [[3, 6, *range(120, 170)]]), ids=len)
+def test_below_it_the_motion_sticks_for_ever(seeds):
+    assert jerks_just_below(seeds) >= 0.7 * len(seeds)
 
 
 @pytest.mark.parametrize("parts", [(), *((part,) for part in PARTS), tuple(PARTS)], ids=" and ".join)

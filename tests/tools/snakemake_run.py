@@ -26,8 +26,7 @@ def _main(folder: Path, environment: dict[str, str], arguments: tuple[str, ...],
         os.dup2(file.fileno(), 1)
         os.dup2(file.fileno(), 2)
     os.chdir(folder)
-    os.environ.clear()
     os.environ.update(environment)
     sys.path[:0] = [str(folder), environment["PYTHONPATH"]]
-    sys.argv = ["snakemake", *arguments]
-    main(arguments)
+    sys.argv[1:] = arguments
+    main()

@@ -27,14 +27,9 @@ class Project:
         return snakemake(self.folder, self.environment, "-j2", *arguments)
 
     def start(self, *arguments: str) -> subprocess.Popen:
-        return subprocess.Popen(
-            [sys.executable, "-m", "snakemake", "-j2", *arguments],
-            cwd=self.folder,
-            env=self.environment,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-            start_new_session=True,
-        )
+        command, silent = [sys.executable, "-m", "snakemake", "-j2", *arguments], subprocess.DEVNULL
+        where = {"cwd": self.folder, "env": self.environment}
+        return subprocess.Popen(command, stdout=silent, stderr=silent, start_new_session=True, **where)
 
     def plan(self, *arguments: str) -> set[str]:
         """Return what a run would do now: messages of its jobs, without that of the target rule."""

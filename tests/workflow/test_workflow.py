@@ -93,13 +93,6 @@ def test_a_run_makes_everything_and_says_where(finished):
     assert len(claims) == len(checks)
 
 
-def test_a_second_run_does_nothing(finished):
-    project, _ = finished
-    run = project()
-    assert run.returncode == 0
-    assert "Nothing to be done" in run.stdout
-
-
 @pytest.mark.parametrize(
     ("files", "jobs"),
     [
@@ -197,6 +190,7 @@ def test_the_rules_are_those_that_the_picture_shows():
 @pytest.mark.slow
 def test_both_snakefiles_are_one_workflow(built):
     assert built.plan() == built.plan("-s", "workflow/Snakefile") == set()
+    assert "Nothing to be done" in built().stdout
 
 
 @pytest.mark.slow
@@ -219,20 +213,6 @@ def test_what_was_deleted_comes_back(built):
     for name in ("datasets/fig8_08.nc", "figures/fig8_03.pdf"):
         (built.folder / "results" / name).unlink()
     assert built.plan() >= {"Computing fig8_08", "Drawing fig8_03"}
-
-
-@pytest.mark.slow
-def test_what_is_damaged_is_named_with_its_remedy(built):
-    """Truncated to the half of it; deleting it, as the sentence says, repairs the run."""
-    path = built.folder / "results" / "checks.json"
-    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
-    run = built()
-    assert run.returncode == 1
-    assert "results/checks.json is not a readable" in run.stdout
-    assert "; delete it, and run again what makes it." in run.stdout
-    assert "Traceback" not in run.stdout
-    path.unlink()
-    assert built().returncode == 0
 
 
 @pytest.mark.slow
