@@ -2,7 +2,7 @@
 
     python tests/tools/accuracy_page.py [results/accuracy] [docs]
 
-Every section says on which commit its dataset was computed.
+It says at which commits the datasets were computed.
 """
 
 import subprocess
@@ -29,17 +29,17 @@ def main(results: Path, docs: Path) -> None:
     """Write the page, with a section for each dataset that is there."""
     files = {name: results / "datasets" / f"{name}.nc" for name in accuracy_figures()}
     found = {name: read_dataset(file) for name, file in files.items() if file.is_file()}
+    commits = ", ".join(sorted({_described(dataset.attrs["git_commit"]) for dataset in found.values()}))
     lines = [
         "# Accuracy, speed and stability, measured",
         f"Made by `tests/tools/accuracy_page.py` from datasets of the workflow, on a machine that others use, too "
         f"({_machine(found)}). Times are processor times, with the quartiles of the repeats in brackets. What is "
-        "compared, and what it means: [validation](validation.md).",
+        f"compared, and what it means: [validation](validation.md). Computed at commit {commits}.",
     ]
     for name, dataset in found.items():
         save(load(name).draw(dataset), docs / "figures" / f"{name}.png", resolution=_RESOLUTION)
         title = dataset.attrs["title"]
         lines += [f"## {title}", f"![{title}](figures/{name}.png)", " ".join(load(name).CAPTION.split())]
-        lines += [f"Computed at commit {_described(dataset.attrs['git_commit'])}."]
         lines += ["\n".join(TABLES[name](dataset))] if name in TABLES else []
     (docs / "accuracy.md").write_text("\n\n".join(lines) + "\n", encoding="utf-8")
 
