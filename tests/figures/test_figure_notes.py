@@ -48,6 +48,7 @@ def test_a_caption_states_what_is_printed_and_what_is_assumed():
     assert "Values" not in caption_of("fig8_03", xr.Dataset())
 
 
+@pytest.mark.slow
 def test_maps_and_charts_fit_the_page(tmp_path):
     drive = PARADOX
     starts = drive.attraction({"u": (-0.3, 0.3, 20), "w": (-150, 150, 20)})

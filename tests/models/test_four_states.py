@@ -184,8 +184,7 @@ def test_the_digits_are_those_of_newtons_laws(name):
 
         orbit = DRIVES[name].cycles().cycles[0].orbit  # where the search begins, and nothing that counts in the result
         u, _, e, v = orbit.after[orbit.kind == Event.STICK][0]
-        gap = 1e-66  # squared
-        found = mp.findroot(lambda *x: [b - a for a, b in zip(x, back(*x)[1], strict=True)], (u, e, v), tol=gap)
+        found = mp.findroot(lambda *x: [b - a for a, b in zip(x, back(*x)[1], strict=True)], (u, e, v), tol=1e-66)
         period, _, angles = back(*found)
         for value, digits in zip((period, (max(angles) - min(angles)) / 2), DIGITS[name], strict=True):
             assert mp.nstr(value, 30) == digits

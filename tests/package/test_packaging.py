@@ -158,6 +158,7 @@ def loaded(before: str, unwanted: str, code: str, folder: Path | None = None) ->
     return {figure: (there, set(ours)) for figure, there, ours in map(json.loads, run.stdout.splitlines())}
 
 
+@pytest.mark.slow
 def test_commands_that_need_no_engine_load_none(tmp_path):
     """Each in a copy of one process, which has loaded what else is heavy; and one that needs the engine shows it."""
     lines = [*WITHOUT_ENGINE, "simulate --out x.nc --scene none.yaml"]

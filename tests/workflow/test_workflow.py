@@ -179,6 +179,7 @@ def test_the_table_of_the_configuration_is_the_default_drive():
     assert set(CONFIG["table_8_1"]) == {*chapter.STATED["Table 8.1"]} - {"lead_angle"} | {"lead_angle_deg"}
 
 
+@pytest.mark.slow
 def test_the_rules_are_those_that_the_picture_shows():
     dataset = {"figure", "check", "all"}  # for what waits for a dataset
     assert rule_graph(ROOT) == {
