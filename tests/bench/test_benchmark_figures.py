@@ -118,5 +118,5 @@ def test_the_page_of_the_documentation_is_made_from_datasets(tmp_path):
     page = (tmp_path / "docs/accuracy.md").read_text(encoding="utf-8")
     assert set(re.findall(r"\(figures/(\w+)\.png\)", page)) == set(accuracy_figures())
     assert all((tmp_path / "docs/figures" / f"{figure}.png").is_file() for figure in accuracy_figures())
-    assert page.count("Computed at commit ") == len(accuracy_figures())
+    assert page.count("Computed at commit ") == 1
     assert f"{float(built('work_precision').state_error[0, 0, 0]):.1e}" in page

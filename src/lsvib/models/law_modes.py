@@ -164,10 +164,9 @@ def automaton_under_command(drive: Drive, command: Command, resume: Resume) -> A
     The clock, the last state, begins anew in each piece, so that no digits of Ω(t) are lost late.
     """
     with many_digits():
-        d, pieces = drive.exact(), command.pieces()
-        layouts = [modes_of(d, drive.parts, resume, (arb(s), arb(a))).layout() for _, s, a in pieces]
-        durations = [duration for duration, _, _ in pieces]
-        return assemble(**one_after_the_other([*zip(layouts, durations, strict=True)]))
+        d = drive.exact()
+        pieces = [(modes_of(d, drive.parts, resume, (arb(s), arb(a))), x) for x, s, a in command.pieces()]
+        return assemble(**one_after_the_other([(modes.layout(), duration) for modes, duration in pieces]))
 
 
 def modes_of(
