@@ -209,6 +209,7 @@ def test_resilience_has_no_number_where_the_basin_has_no_closed_form():
     assert np.isnan(NEAR_FOLD.resilience_sweep(contact_stiffness=[1e6]).fatal_speed.values[0])
 
 
+@pytest.mark.slow
 def test_a_cycle_is_followed_from_a_rigid_drive_to_friction_of_its_slide():
     """The tables of both are of different kinds; the end is what the cycle of that drive is by itself."""
     drive = NEAR_FOLD.replace(axial_force=-10)

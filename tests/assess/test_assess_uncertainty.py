@@ -95,6 +95,7 @@ HEAVY = {
 }
 
 
+@pytest.mark.slow
 def test_a_drive_whose_basin_is_the_whole_plane_is_steady_however_narrow_its_range():
     """Γ₊ < 0 alone starts nothing: the same is said with one stiffness and with a range of it."""
     stiffness = "60 N*m/rad"

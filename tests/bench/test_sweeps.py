@@ -143,6 +143,7 @@ def case_of(model: str, index: int) -> Case | None:
     return found._replace(duration=float(end)) if motion.time.size else None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("model", MODELS)
 def test_motions_of_random_drives(model):
     outcomes = {}

@@ -14,6 +14,7 @@ import xarray as xr
 import yaml
 from references.command_line import MOTION, refused
 from references.drives import PARADOX
+from references.sizes import sizes
 
 from lsvib.datasets.attributes import counted
 from lsvib.datasets.io import read_dataset
@@ -102,7 +103,7 @@ def test_command_and_python_make_the_same_file(run, tmp_path):
     assert json.loads(one.attrs["settings"]) == given
 
 
-@pytest.mark.parametrize("form", [[], ["--json"]])
+@pytest.mark.parametrize("form", sizes([["--json"]], [[]]))
 def test_a_failed_check_is_exit_code_2_in_either_form(run, tmp_path, form):
     """Another friction than the chapter's in the file of settings, which is not ``--set``: 10.1 kg is missed."""
     section = yaml.safe_load(CONFIG.read_text())["fig8_08"]

@@ -116,6 +116,7 @@ def test_contact_chart_agrees_with_flutter():
     assert whole.sum() > 22
 
 
+@pytest.mark.slow
 def test_points_of_curves_are_roots():
     """Both sides of a point of a curve have different labels."""
     drive = lsvib.Drive(translation_damping=1000.0)

@@ -11,6 +11,7 @@ from mpmath import mp, mpf
 from references import rigid_digits
 from references.drives import drawn, nut_drive, one_of, power, support_drive, threads_drive, times, uniform
 from references.known import NEAR_FOLD, NEGATIVE_DAMPING, PARADOX, REPELLING_SLIP
+from references.sizes import sizes
 
 import lsvib
 from lsvib.datasets.cycles import branch_dataset, branch_json
@@ -76,7 +77,7 @@ def test_multipliers_of_cycles_of_seizures_are_those_of_40_digits(force):
         assert cycle.repelling is (reference > 1)
 
 
-@pytest.mark.parametrize("drive", [SLIP, SLIP.replace(axial_force=30), REPELLING_SLIP])
+@pytest.mark.parametrize("drive", sizes([REPELLING_SLIP], [SLIP, SLIP.replace(axial_force=30)]))
 def test_multiplier_of_slip_is_that_of_liouville(drive):
     """Where no rest and no seizure is, the multiplier is exp(−Σ a₁ τ): areas on both sides of Q = 0 join smoothly."""
     (cycle,) = [cycle for cycle in drive.cycles().cycles if cycle.label == Attractor.OTHER_CYCLE]
@@ -208,7 +209,7 @@ def gaps_to_the_rigid_multiplier(rigid, stiffnesses):
     return np.array(found)
 
 
-@pytest.mark.parametrize("drive", [SLIP, SLIP.replace(mass=2.0, axial_force=27.0)])
+@pytest.mark.parametrize("drive", sizes([SLIP], [SLIP.replace(mass=2.0, axial_force=27.0)]))
 def test_compliant_multipliers_of_slip_tend_to_the_rigid_one_with_order_one(drive):
     stiffnesses = np.array([1e7, 1e8, 1e9])
     gaps = gaps_to_the_rigid_multiplier(drive, stiffnesses)
@@ -305,7 +306,7 @@ def test_a_branch_of_four_states_turns_at_a_fold():
     assert all(point.value > fold for point in points)
 
 
-@pytest.mark.parametrize("damping", [2e-3, 5e-3])
+@pytest.mark.parametrize("damping", sizes([2e-3], [5e-3]))
 def test_fold_is_the_threshold_of_global_stability(damping):
     """The attracting branch turns into the repelling one at the force that the closed form gives, to rounding."""
     drive = NEAR_FOLD.replace(support_damping=damping)

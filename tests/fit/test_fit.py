@@ -86,6 +86,7 @@ def test_the_jerks_of_the_measured_screw(screw, tmp_path):
     assert verdict["from_rest"]["even_speed"] == pytest.approx(told["even_speed"], rel=0.02)
 
 
+@pytest.mark.slow
 def test_the_published_bearing_gives_a_friction_near_the_published(screw, tmp_path):
     """Published: 0.27, with a rise of 0.1; friction of the carriage is apart there, and one of the bearing here."""
     sheet = yaml.safe_load(SCREW.read_text())
