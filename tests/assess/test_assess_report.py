@@ -90,6 +90,7 @@ def test_the_worst_case_is_a_motion_that_can_be_run(seat):
     assert np.ptp(stored[-200:]) > 0.5 * np.ptp(stored)
 
 
+@pytest.mark.slow
 def test_drives_are_compared_in_one_table(seat, tmp_path):
     """The most likely to vibrate first, each with a link to its report; a damaged file is refused."""
     assess_file(EXAMPLES / "linear_actuator.yaml", tmp_path / "linear_actuator", samples=64)

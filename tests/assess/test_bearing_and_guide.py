@@ -178,6 +178,7 @@ def test_gains_bandwidth_and_stepper_on_the_side_of_the_screw():
     assert (stepper["integral_gain"], stepper["speed_gain"]) == (25.0, 0.0)
 
 
+@pytest.mark.slow
 def test_a_stiff_coupling_gives_the_drive_without_motor():
     """One body of both inertias on the gains; what it does from rest agrees to the compliance of the coupling."""
     found = assess(Sheet.of(MEASURED), samples=64)

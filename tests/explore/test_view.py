@@ -17,6 +17,7 @@ import pytest
 import yaml
 from references.command_line import complaint
 from references.drives import DRIVES, PARADOX
+from references.sizes import sizes
 
 import lsvib
 from lsvib.basins.curves import Window
@@ -158,6 +159,7 @@ def test_a_light_request_beside_heavy_ones_is_answered_in_a_second(port):
     assert all("takes more work than a page may do; shorten it" in text for _, text in given[1:])
 
 
+@pytest.mark.slow
 def test_pages_are_limited(port):
     """A page of another site may make a browser load this one as often as it likes."""
     with ThreadPoolExecutor(20) as threads:
@@ -247,7 +249,7 @@ def test_a_page_with_a_friction_law_opens(monkeypatch):
     assert max(page.plots.sources["law"].data["y"]) == pytest.approx(0.2383, rel=1e-12)
 
 
-@pytest.mark.parametrize("part", ["nut", "support"])
+@pytest.mark.parametrize("part", sizes(["nut"], ["support"]))
 def test_a_drive_with_compliant_parts_and_a_law_is_followed_without_its_map(part, monkeypatch):
     """The page says so, and draws the curve; a rotating nut slides at the speed at which the screw turns in it."""
     monkeypatch.setattr(answers, "values_of", lambda view, count: [view.drive.axial_force])

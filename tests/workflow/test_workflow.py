@@ -324,6 +324,7 @@ def test_a_new_figure_is_one_new_file(built):
     assert "new_figure.point is not a known key; the known keys are drive, points." in built("-n").stdout
 
 
+@pytest.mark.slow
 def test_lint_asks_for_nothing(fresh):
     run = fresh("--lint")
     assert run.returncode == 0, run.stdout
