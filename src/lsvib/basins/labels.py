@@ -84,8 +84,10 @@ class Sections:
         self.known = _with_labels(automaton, self.known, found, self.size)
         self._releases = releases
 
-    # `known` with what tells when attractors are reached, by a kernel that labels alone do without
-    timed = cached_property(lambda self: _with_cycles(self.automaton, self.known, self.attractors, self._releases))
+    @cached_property
+    def timed(self) -> Known:
+        """The table ``known`` with what tells when attractors are reached, by a kernel that labels do without."""
+        return _with_cycles(self.automaton, self.known, self.attractors, self._releases)
 
     def _labels(self, section: Section) -> Pieces:
         """Return labels along a section, by bisection between motions of different courses, wide pieces first."""

@@ -128,6 +128,7 @@ def endings_at_once(
     blocks = [np.arange(first, min(first + size, drives.size)) for first in range(0, drives.size, size)]
 
     def fill(block: np.ndarray) -> int:
+        """Write what the motions of a block end on; returns how many are done."""
         for group in groups(drives, block):
             closed, endings = _group_endings(drives, group, _states_of(group, drives, starts))
             found[group.members[closed]] = endings[closed]

@@ -6,7 +6,7 @@ Importing this loads no matplotlib, so a figure, whose dataset is built without 
 import re
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from functools import lru_cache, wraps
+from functools import wraps
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -180,10 +180,6 @@ def save(figure: Figure, png: File | None, pdf: File | None = None, *, resolutio
     ``png``, ``pdf``: None for none; ``resolution`` [dots per inch] of the PNG. The layout is found once, for the PNG;
     the PDF has the same. Raises ``LsvibError`` if a file cannot be written.
     """
-    from matplotlib.mathtext import MathTextParser
-
-    # Of formulas matplotlib keeps fifty, which are fewer than some figures draw again and again.
-    MathTextParser._parse_cached = lru_cache(None)(MathTextParser._parse_cached.__wrapped__)
     # With an engine of layout, be it the one named "none", each file would be drawn once more, unseen, to lay it out.
     with _look(**{"figure.constrained_layout.use": False}):
         figure.set_dpi(resolution)

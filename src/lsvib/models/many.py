@@ -92,7 +92,7 @@ def groups(drives: ManyDrives, entries: np.ndarray) -> Iterator[Group]:
         except Divided as apart:
             waiting += [members[apart.signs == value] for value in np.unique(apart.signs)]
         except EngineError:
-            continue  # rates that lie too far apart: made exactly, each says so itself
+            continue  # each is made exactly, and says so itself
         else:
             yield made
 
@@ -118,8 +118,8 @@ def _alike(automaton: Automaton, rough: Automaton) -> np.ndarray:
     """Whether tables from numbers of 19 digits agree with those from 16 digits to nine (j): then they hold to 1e-12."""
     pairs = [(getattr(automaton.tables, name), getattr(rough.tables, name)) for name in DIMENSIONS]
     pairs += zip(automaton.observables.values(), rough.observables.values(), strict=True)
-    size = len(pairs[0][0])
-    if any(one.shape != other.shape for one, other in pairs):
+    size, longer = len(pairs[0][0]), np.finfo(np.longdouble).eps < 1e-18  # which it is not on every machine
+    if not longer or any(one.shape != other.shape for one, other in pairs):
         return np.zeros(size, dtype=bool)
     held = [np.abs(one - other) <= 1e-9 * np.abs(one) for one, other in pairs]  # what is not a number is not held
     return np.logical_and.reduce([x.reshape(size, -1).all(axis=1) for x in held])
@@ -129,6 +129,7 @@ def _layered(automaton: Automaton, size: int) -> Automaton:
     """Give the tables that are the same for all drives of a group, being numbers, the axis for the drives, too."""
 
     def layers(table: np.ndarray, dimensions: int) -> np.ndarray:
+        """Return a table with the axis; ``dimensions`` are those of the table of one drive."""
         if np.ndim(table) > dimensions:
             return np.ascontiguousarray(table)
         # a copy, so that kernels see the same type of array for every group
@@ -136,11 +137,9 @@ def _layered(automaton: Automaton, size: int) -> Automaton:
 
     tables = {name: layers(getattr(automaton.tables, name), n) for name, n in DIMENSIONS.items() if name != "flow"}
     flow = automaton.tables.flow
-    if isinstance(flow, np.ndarray):
-        tables["flow"] = layers(flow, DIMENSIONS["flow"])
-    else:
-        dimensions = TAYLOR_DIMENSIONS if isinstance(flow, TaylorFlow) else MODAL_DIMENSIONS
-        tables["flow"] = type(flow)(*map(layers, flow, dimensions))
+    parts_of_flow = TAYLOR_DIMENSIONS if isinstance(flow, TaylorFlow) else MODAL_DIMENSIONS
+    planar = isinstance(flow, np.ndarray)
+    tables["flow"] = layers(flow, DIMENSIONS["flow"]) if planar else type(flow)(*map(layers, flow, parts_of_flow))
     observables = {name: layers(table, 2) for name, table in automaton.observables.items()}
     parts = {name: layers(table, 2) for name, table in automaton.parts.items()}
     return replace(automaton, tables=automaton.tables._replace(**tables), observables=observables, parts=parts)

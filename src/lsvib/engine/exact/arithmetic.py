@@ -106,8 +106,9 @@ def doubles(numbers: Sequence[Number], shape: tuple[int, ...]) -> np.ndarray:
 def added(*terms: Number) -> Number:
     """Return the sum of terms; those that cancel leave exactly zero, for tan λ is transcendental.
 
-    A sum of arrays that has lost more digits than 1e-13 of it allows is not a number. Raises ``EngineError`` if too few
-    digits are left of a ball that holds zero.
+    A sum of arrays that has lost more digits than 1e-13 of it allows is not a number; one of at most 256 roundings,
+    which terms that are sums bring with them, is zero. Raises ``EngineError`` if too few digits are left of a ball that
+    holds zero.
     """
     there = [term for term in terms if term.__class__ is not int or term]
     if len(there) < 2:

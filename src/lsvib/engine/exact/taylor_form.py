@@ -144,7 +144,7 @@ def settled_region(
     flat = flat.reshape(*matrix.shape[:-2], n * n, n * n)
     form = np.linalg.solve(flat, -weight.reshape(*matrix.shape[:-2], n * n, 1)).reshape(matrix.shape)
     form = (form + np.swapaxes(form, -1, -2)) / 2
-    stable &= np.linalg.eigvalsh(form).min(axis=-1) > 0
+    stable &= np.isfinite(form).all(axis=(-1, -2)) & (np.linalg.eigvalsh(_numbers(form)).min(axis=-1) > 0)
     form = np.where(stable[..., None, None], form, unit)
     inverse = np.linalg.inv(form)
 
