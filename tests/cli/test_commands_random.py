@@ -57,7 +57,7 @@ def check(run, seed, index):
 
 
 @pytest.mark.parametrize(
-    "drive", sizes([], [(1, k) for k in range(4)], [*((1, k) for k in range(4, 8)), *((2, k) for k in range(300))])
+    "drive", sizes([], [(1, k) for k in range(2)], [*((1, k) for k in range(2, 8)), *((2, k) for k in range(300))])
 )
 def test_commands_answer_or_refuse(run, drive):
     codes = check(run, *drive)

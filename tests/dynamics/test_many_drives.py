@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from references.drives import LIKE_PARTS, drawn, one_of, random_drive, uniform, wide_drive
 from references.known import NEAR_FOLD, NEGATIVE_DAMPING, PARADOX, REPELLING_SLIP
+from references.sizes import sizes
 
 from lsvib.basins.grid import Axis, Grid
 from lsvib.basins.mapping import mapper
@@ -19,7 +20,6 @@ from lsvib.models.mechanism import standing_state
 from lsvib.models.model import automaton_of
 from lsvib.models.rigid import rigid_automaton
 
-SLOW = pytest.mark.slow
 NEAR_THRESHOLDS = {
     "mass": uniform(1, 20), "axial_force": uniform(-60, 60), "support_damping": uniform(0, 2e-3),
     "translation_damping": one_of(0.0, 1000.0),
@@ -113,14 +113,15 @@ def with_law(rng, drive: Drive) -> Drive:
     return Drive.of({**dict(drive), **values})
 
 
-@pytest.mark.parametrize("kind", ["rigid", *(pytest.param(kind, marks=SLOW) for kind in ("threads", "support", "nut"))])
-def test_endings_under_friction_laws_are_those_of_one_motion(kind):
+@pytest.mark.parametrize("size", sizes([80], [], [500]))
+@pytest.mark.parametrize("kind", sizes(["rigid"], ["threads", "support", "nut"]))
+def test_endings_under_friction_laws_are_those_of_one_motion(kind, size):
     """Random laws, in and out of the Painlevé region, from rest: labels, and all numbers to 1e-9.
 
     But where the threads jam: there the force grows without bound, and what is seen of it depends on the last digit of
     where the engine stops, as does the multiplier to 1e-4.
     """
-    size, drives = {"rigid": 80}.get(kind, 250), []
+    drives = []
     parts = {name: draw for name, draw in LIKE_PARTS[kind].items() if name != "slide_friction"}
     for k in range(size):
         rng = np.random.default_rng([33, k])

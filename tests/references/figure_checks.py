@@ -11,7 +11,7 @@ from matplotlib import rc_context
 from matplotlib.figure import Figure
 
 from lsvib.datasets.checks import Check
-from lsvib.datasets.io import read_dataset, write_dataset
+from lsvib.datasets.io import read_dataset
 from lsvib.figures import build, style
 from lsvib.figures.configuration import load
 
@@ -54,12 +54,11 @@ def scale(name: str, factor: float, *where: int) -> Spoiler:
     return lambda dataset: set_to(name, dataset[name].values[where or ...] * factor, *where)(dataset)
 
 
-def assert_drawn_from_file(figure: str, dataset: xr.Dataset, path: Path) -> None:
+def assert_drawn_from_file(figure: str, path: Path) -> None:
     """The file alone gives a figure with something in every panel, and names in its legends that are all different.
 
     It is one or two columns wide, its whole legend is in the picture, and no type, indices included, is below 6 pt.
     """
-    write_dataset(dataset, path)
     drawn: Figure = load(figure).draw(read_dataset(path))
     with rc_context({"pdf.compression": 0}):
         style.save(drawn, None, path.with_suffix(".pdf"), resolution=50)

@@ -32,14 +32,14 @@ def mapped(tmp_path_factory):
 
 @pytest.mark.slow
 def test_a_map_in_tiles_is_the_map(mapped):
-    """With six tiles the jobs are six, and the labels and times those of one tile; a changed drive maps anew."""
+    """With three tiles the jobs are three, and the labels and times those of one tile; a changed drive maps anew."""
     one = read_dataset(mapped.folder / MAP)
     assert mapped.plan(MAP) == set()
     (mapped.folder / "change.yaml").write_text("attraction: {drive: {mass: 10.9}}")
     jobs = {"Compiling the mapper", "Mapping tile 1-of-1", "Gathering the tiles"}
     assert mapped.plan(MAP, "--configfile", "change.yaml") == jobs
     (mapped.folder / MAP).unlink()
-    run = mapped(MAP, "--set-scatter", "attraction=6")
+    run = mapped(MAP, "--set-scatter", "attraction=3")
     assert run.returncode == 0, run.stdout
-    assert run.stdout.count("Mapping tile") == 6
+    assert run.stdout.count("Mapping tile") == 3
     assert read_dataset(mapped.folder / MAP).drop_attrs().identical(one.drop_attrs())

@@ -157,8 +157,6 @@ def test_a_figure_that_is_built_alone_fails_with_its_checks(built):
     folder = built.folder / "results"
     assert (folder / "failed" / "fig8_08.png").is_file()
     assert not (folder / "figures" / "fig8_08.png").exists()
-    good = built("results/figures/fig8_08.png")
-    assert good.returncode == 0, good.stdout
 
 
 @pytest.mark.parametrize(

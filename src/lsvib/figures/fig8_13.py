@@ -87,7 +87,7 @@ def _grid(drive: Drive, start: Values, stiffness: np.ndarray, damping: np.ndarra
         if turns.size == 0:
             raise InputError(f"contact_damping: {same} over the grid; widen it.")
         between = damping[turns[-1] : turns[-1] + 2].tolist()
-        limits.append(bisected(lambda c, k=k: numbers(k, c)[largest] <= 0, *between))
+        limits.append(bisected(lambda c, k=k: numbers(k, c)[largest] <= 0, *between, 1e-9))
         ends.append(numbers(k, limits[-1])[largest])
     dims, below = ("grid_contact_stiffness", "grid_contact_damping"), "below which the deflection turns positive"
     return {

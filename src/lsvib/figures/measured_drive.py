@@ -85,7 +85,7 @@ def build(settings: Values) -> xr.Dataset:
     from lsvib.fit.dataset import fit_variables
     from lsvib.fit.law import Measured, fitted
     from lsvib.fit.records import look
-    from lsvib.fit.stick_slip import breaking, explained, surely_even_from
+    from lsvib.fit.stick_slip import breaking, explained
     from lsvib.fit.tables import read_table, steady_point
 
     if not TABLES:
@@ -108,12 +108,7 @@ def build(settings: Values) -> xr.Dataset:
     rows = [_beside(drive.replace(input_speed=sense * SLOW), *jerks[sense]) | {"turn_swing": _once_a_turn(tables[name])}
             for sense, name in EVEN_FILES.items()]  # fmt: skip
     dampings = spans.even(settings["dampings"])
-
-    def even_from(sense: int, damping: float) -> float:
-        damped = drive.replace(support_damping=damping)
-        return surely_even_from(lambda speed: damped.replace(input_speed=sense * speed), 100 * EVEN)
-
-    limits = [[even_from(sense, damping) for damping in dampings.tolist()] for sense in jerks]
+    limits = [_even_speeds(drive, sense, dampings) for sense in jerks]
     variables, coordinates, more = fit_variables(fit, points)
     variables |= {
         name: variable(("direction", *dims), [row[name] for row in rows], unit, words)
@@ -140,6 +135,26 @@ def build(settings: Values) -> xr.Dataset:
     }
     words = about(__doc__, "least squares, and motions by power series", "eqs 8.4, 8.13")
     return xr.Dataset(variables, coordinates, {**words, **more})
+
+
+def _even_speeds(drive: Drive, sense: int, dampings: np.ndarray) -> np.ndarray:
+    """Speeds [rad/s] from which on a drive runs evenly once started, to 1e-3, by its damping; infinite if from none."""
+    from lsvib.dynamics.attractor import Attractor
+    from lsvib.dynamics.sweep import all_endings
+    from lsvib.models.many import ManyDrives
+
+    def evenly(speeds: np.ndarray) -> np.ndarray:
+        swept = {"support_damping": dampings, "input_speed": sense * speeds}
+        found = all_endings(ManyDrives({**dict(drive), **swept}), None).attractor
+        if Attractor.UNRESOLVED in found:
+            raise InputError("measured_drive: it is not known of a motion from rest what it ends in.")
+        return found == Attractor.STEADY_SLIDING
+
+    jerks, even = (np.full(dampings.size, factor * EVEN) for factor in (1e-2, 100.0))
+    while (even > 1.001 * jerks).any():
+        there = evenly(middle := np.sqrt(jerks * even))
+        jerks, even = np.where(there, jerks, middle), np.where(there, middle, even)
+    return np.where(evenly(even), even, np.inf)
 
 
 def _beside(drive: Drive, table: Any, record: Any) -> dict[str, Any]:

@@ -13,7 +13,6 @@ slowly and falls fast counts. Below LEAST samples a tooth nothing is told. f + 1
 """
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
@@ -224,7 +223,7 @@ def _quick(base: Array, values: Array) -> Array:
     return np.asarray(values - np.einsum("nk,...k->...n", base, np.einsum("nk,...n->...k", base, values)))
 
 
-def sawtooth(phase: Array, width: float) -> Array:
+def sawtooth(phase: Array, width: float | Array) -> Array:
     """Return teeth over a phase in turns: they climb from −1/2 to 1/2, fall at whole phases, averaged over a width."""
     later, sooner = (edge - np.floor(edge) - 0.5 for edge in (phase + 0.5 * width, phase - 0.5 * width))
     return 0.5 * (later**2 - sooner**2) / width
@@ -253,17 +252,17 @@ def _teeth(torque: Array, frequency: float, memory: float, fewest: float) -> Tee
     phase = frequency * at + np.unwrap(angle) / (2 * np.pi) - 0.25  # teeth are 1/π cos(2π (phase + 1/4)) + ...
     shifts = np.linspace(-0.2, 0.2, 41)
     for reach in (2.5, 1.5, 1.0, 1.0, 1.0):
-        _, height, width = min(_fits(base, level, phase, WIDTHS[::4]))
+        _, height, width = min(_fits(base, level, phase, WIDTHS[::4]).tolist())
         sway = level - height * sawtooth(phase, width)
         still = level - sway + _quick(base, sway)
-        off = np.array([(still - height * sawtooth(phase + shift, width)) ** 2 for shift in shifts])
+        off = (still - height * sawtooth(phase + shifts[:, None], width)) ** 2
         off = _smoothed(off, reach * tooth)
         least = off.argmin(axis=0).clip(1, shifts.size - 2)
         before, now, after = off[least - 1, at], off[least, at], off[least + 1, at]
         fine = 0.5 * (before - after) / np.maximum(before - 2 * now + after, np.finfo(float).tiny)
         step = shifts[least] + fine.clip(-0.5, 0.5) * (shifts[1] - shifts[0])
         phase = phase + _smoothed(step, 0.5 * reach * tooth)
-    fits = np.array(list(_fits(base, level, phase, WIDTHS)))
+    fits = _fits(base, level, phase, WIDTHS)
     tiny, (misfit, height, _) = np.finfo(float).tiny, min(fits.tolist())
     weight = np.exp(-0.5 * (fits[:, 0] - misfit) / (misfit + tiny) * (size - base.shape[1]))
     width = float(np.average(WIDTHS, weights=weight))
@@ -273,16 +272,16 @@ def _teeth(torque: Array, frequency: float, memory: float, fewest: float) -> Tee
     return Teeth(phase, (width, spread), height, left, misfit / size + tiny, explained)
 
 
-def _fits(base: Array, level: Array, phase: Array, widths: Array) -> Iterator[tuple[float, float, float]]:
-    """Return the squares that teeth of each width, free in height and shift, leave, their height and width."""
-    for width in widths.tolist():
-        ahead, behind = sawtooth(phase + 0.02, width), sawtooth(phase - 0.02, width)
-        one, shift = _quick(base, np.stack([sawtooth(phase, width), ahead - behind]))
-        pairs = np.stack([one, shift, level])
-        (a, c, p), (_, b, q), (*_, whole) = np.einsum("in,jn->ij", pairs, pairs).tolist()
-        height, moved = np.array([b * p - c * q, a * q - c * p]) / max(a * b - c * c, 1e-9 * a * b, 1e-99)
-        gain = float(height * p + moved * q) if height > 0 else 0.0
-        yield whole - gain, float(max(height, 0)), width
+def _fits(base: Array, level: Array, phase: Array, widths: Array) -> Array:
+    """Return the squares that teeth of each width, free in height and shift, leave, their height and width (k, 3)."""
+    over = widths[:, None]
+    ahead, behind = sawtooth(phase + 0.02, over), sawtooth(phase - 0.02, over)
+    one, shift = _quick(base, np.stack([sawtooth(phase, over), ahead - behind]))
+    a, b, c = (np.einsum("kn,kn->k", *pair) for pair in ((one, one), (shift, shift), (one, shift)))
+    p, q = (np.einsum("kn,n->k", own, level) for own in (one, shift))
+    height, moved = np.array([b * p - c * q, a * q - c * p]) / (np.maximum(a * b - c * c, 1e-9 * a * b) + 1e-99)
+    gain = np.where(height > 0, height * p + moved * q, 0.0)
+    return np.column_stack([level @ level - gain, np.maximum(height, 0), widths])
 
 
 def _slope(torque: Array, teeth: Teeth) -> Number:
