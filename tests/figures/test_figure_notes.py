@@ -9,6 +9,7 @@ from references.drives import PARADOX, threads_drive
 from references.figure_checks import assert_drawn_from_file, dataset_of, draft
 
 from lsvib.datasets import phase_plane
+from lsvib.datasets.io import write_dataset
 from lsvib.dynamics.attractor import Attractor, orbit_extremes, steady_state
 from lsvib.dynamics.impulses import seizure_impulse
 from lsvib.engine.motion import follow
@@ -52,8 +53,10 @@ def test_a_caption_states_what_is_printed_and_what_is_assumed():
 def test_maps_and_charts_fit_the_page(tmp_path):
     drive = PARADOX
     starts = drive.attraction({"u": (-0.3, 0.3, 20), "w": (-150, 150, 20)})
-    assert_drawn_from_file("attraction", starts, tmp_path / "map.nc")
-    assert_drawn_from_file("chart", drive.chart("axial_force=-40:60:9", "mass=1:20:9"), tmp_path / "chart.nc")
+    chart = drive.chart("axial_force=-40:60:9", "mass=1:20:9")
+    for figure, dataset in {"attraction": starts, "chart": chart}.items():
+        write_dataset(dataset, tmp_path / f"{figure}.nc")
+        assert_drawn_from_file(figure, tmp_path / f"{figure}.nc")
 
 
 SIDES = {
