@@ -17,8 +17,6 @@ from lsvib.engine.kernels.flow_taylor import (
     SLOPE,
     STEEP,
     begin,
-    cut_at_piece,
-    expand,
     find_share,
     go_on,
     law_at,
@@ -26,7 +24,7 @@ from lsvib.engine.kernels.flow_taylor import (
     piece_at,
     product,
     series_for,
-    step_of,
+    take_step,
     value_at,
 )
 from lsvib.engine.kernels.jit import allocating_kernel, inlined_kernel, kernel
@@ -47,7 +45,7 @@ def field(flow, mode, state, rate, size):
         sigma = flow.speed[mode, n]
         for i in range(n):
             sigma += flow.speed[mode, i] * state[i]
-        mu, _ = law_at(flow.pieces[piece], sigma)
+        mu, _, _, _ = law_at(flow.pieces[piece], sigma)
         share = mu / (1.0 + flow.feedback[mode] * mu)
     for i in range(n):
         rate[i] = flow.field[mode, i, n] + flow.push[mode, i] * share * force
@@ -115,8 +113,7 @@ def derivative(flow, mode, state, t, out, size):
             out[i, j] = 1.0 if i == j else 0.0
             size[i, j] = 0.0
     while passed < t:
-        expand(flow, mode, piece, series, ORDER)
-        step, following = cut_at_piece(flow, mode, piece, series, min(step_of(series), t - passed))
+        step, following = take_step(flow, mode, piece, series, t - passed)
         if piece >= 0:
             _steepness(flow, mode, piece, series.parts)
         for column in range(n):

@@ -2,9 +2,9 @@
 
 The field of a :class:`lsvib.engine.kernels.layout.TaylorFlow` is made of sums, products, one quotient and one
 exponential, so the coefficients of its series follow from each other by short recurrences (Jorba and Zou 2005). A step
-is so long that the last two terms are below the rounding of the largest one in each coordinate; with some twenty terms
-that is a seventh of the radius of convergence. On the step the motion is the polynomial, and a guard, being affine, is
-a polynomial too (:mod:`lsvib.engine.kernels.search_taylor`).
+is so long that the first term left out is a sixteenth of a rounding in each coordinate; with some twenty terms that is
+a sixth of the radius of convergence. On the step the motion is the polynomial, and a guard, being affine, is a
+polynomial too (:mod:`lsvib.engine.kernels.search_taylor`).
 
 A constant coefficient is a case like any other, and so is a mode that does not slip: it has no piece of a law.
 """
@@ -21,7 +21,7 @@ from lsvib.engine.kernels.layout import CONSTANT, EXPONENT, FADE, FROM, LINEAR, 
 _ORDERS = np.arange(ORDER + 1.0)
 _INVERSE = np.concatenate([[0.0], 1 / _ORDERS[1:]])  # a product takes less than a quotient
 _ONE, _TWO = np.uint64(1), np.uint64(2)
-TAIL = 0.5 * EPS  # size of the last terms of a series over that of a coordinate
+TAIL = math.log(0.0625 * EPS)  # of the first term of a series that is left out, over the size of a coordinate
 NOTHING = 45.0  # (fade σ)^exponent of a decay that is below the rounding of a coefficient of friction
 # Rows of series beside those of the state.
 SIGMA, POWER, DECAY, MU, ETA, CONTACT, STEEP, SLOPE, REST, RATE, MATRIX = range(11)
@@ -34,7 +34,7 @@ class Series(NamedTuple):
     """
 
     state: np.ndarray  # (n, ORDER + 1)
-    parts: np.ndarray  # (10 + n, ORDER + 1) σ, exponential, μ, η, q, q dη/dσ, room for these; at last the linear field
+    parts: np.ndarray  # (12 + n, ORDER + 1) σ, exponential, μ, η, q, q dη/dσ, room for these; at last the linear field
     here: np.ndarray  # (n,) the state at the start of the step
     sizes: np.ndarray  # (n,) sizes of the terms that the state was summed from, the largest of all steps so far
     spans: np.ndarray  # (n, 2) least and largest changes of the state on the step
@@ -50,25 +50,26 @@ class Series(NamedTuple):
 def series_for(n):
     """Return uninitialised ``Series`` of n states, with steps without end."""
     return Series(
-        np.empty((n, ORDER + 1)), np.empty((MATRIX + n, ORDER + 1)), np.empty(n), np.empty(n), np.empty((n, 2)),
+        np.empty((n, ORDER + 1)), np.empty((MATRIX + n + 2, ORDER + 1)), np.empty(n), np.empty(n), np.empty((n, 2)),
         np.empty(ORDER + 1), np.empty(ORDER + 1), np.ones(1), np.ones(1), np.empty(1), np.full(1, math.inf),
     )  # fmt: skip
 
 
 @inlined_kernel
 def _between(a, b, k):
-    """Return Σ a_i b_{k−i} over i from 1 to k − 1; in two sums, which a processor adds up side by side.
+    """Return Σ a_i b_{k−i} over i from 1 to k − 1; in two sums, which a processor adds up side by side, newest last.
 
     Indices have no sign here: for each that has one it is asked whether it counts from the end of the array.
     """
-    one = two = 0.0
-    i = _ONE
-    while i + _ONE < k:
+    one, two, i = 0.0, 0.0, _TWO
+    while i + _TWO < k:
         one += a[i] * b[k - i]
         two += a[i + _ONE] * b[k - i - _ONE]
         i += _TWO
-    if i < k:
+    if i + _ONE < k:
         one += a[i] * b[k - i]
+    one += a[_ONE] * b[k - _ONE] if k > _ONE else 0.0
+    two += a[k - _ONE] * b[_ONE] if k > _TWO else 0.0
     return one + two
 
 
@@ -80,9 +81,8 @@ def product(a, b, first, k):
 
 
 @inlined_kernel
-def _affine(row, state, k):
-    """Return the k-th coefficient of an affine function of the state."""
-    n = state.shape[0]
+def _affine(row, state, k, n):
+    """Return the k-th coefficient of an affine function of the n coordinates of the state."""
     total = row[n] if k == 0 else 0.0
     for i in range(n):
         total += row[i] * state[i, k]
@@ -90,97 +90,90 @@ def _affine(row, state, k):
 
 
 @inlined_kernel
-def decay_at(law, sigma):
-    """Return the exponential of a piece of the law at a sliding speed [m/s], and its logarithmic derivative [s/m]."""
-    ratio = law[FADE] * sigma
-    if law[EXPONENT] == 1.0:
-        return math.exp(-ratio), -law[FADE]
-    return math.exp(-ratio * ratio), -2.0 * law[FADE] * ratio
+def law_at(law, sigma):
+    """Return what a piece of the law is at a sliding speed [m/s].
+
+    That is μ, μ′ [s/m], the exponential and its logarithmic derivative [s/m].
+    """
+    linear, ratio = law[EXPONENT] == 1.0, law[FADE] * sigma
+    decay = math.exp(-ratio if linear else -ratio * ratio)
+    falls = -law[FADE] if linear else -2.0 * law[FADE] * ratio
+    rise = law[RISE] * decay
+    return law[CONSTANT] + law[LINEAR] * sigma + rise, law[LINEAR] + rise * falls, decay, falls
 
 
 @inlined_kernel
-def law_at(law, sigma):
-    """Return μ and μ′ [s/m] of a piece of the law at a sliding speed [m/s]."""
-    decay, falls = decay_at(law, sigma)
-    return law[CONSTANT] + law[LINEAR] * sigma + law[RISE] * decay, law[LINEAR] + law[RISE] * falls * decay
+def _begin_force(flow, mode, piece, series, n):
+    """Write the first coefficients of μ and of the force η q, and the linear field at the start.
 
-
-@kernel
-def _begin_force(flow, mode, piece, series):
-    """Write the first coefficients of μ and of the force η q, and the matrix of the linear field at the start.
-
-    Returns the force, η over μ, μ′ [s/m], the logarithmic derivative of the exponential [s/m].
+    That has a row for each coordinate, for σ and for q, of what the coordinates add to its rate, and at last what the
+    rest of the force adds. Returns the force, η over μ, μ′ [s/m], the logarithmic derivative of the exponential [s/m].
     """
-    parts, matrix, n = series.parts, series.parts[MATRIX:], series.here.size
-    for i in range(n):
-        for j in range(n):
-            matrix[i, j] = flow.field[mode, i, j]
-    if piece < 0:
-        return 0.0, 0.0, 0.0, 0.0
-    law, speed, contact, push = flow.pieces[piece], flow.speed[mode], flow.contact[mode], flow.push[mode]
-    sigma, pressed = _affine(speed, series.state, 0), _affine(contact, series.state, 0)
-    (mu, slope), (decay, falls) = law_at(law, sigma), decay_at(law, sigma)
-    share = 1.0 / (1.0 + flow.feedback[mode] * mu)
-    force = share * mu * pressed
-    rest = pressed - flow.feedback[mode] * force
-    parts[SIGMA, 0], parts[DECAY, 0], parts[MU, 0], parts[CONTACT, 0], parts[REST, 0] = sigma, decay, mu, pressed, rest
-    for j in range(n):
-        of_state = share * (mu * contact[j] + rest * slope * speed[j])
+    parts, rows, force = series.parts, series.parts[MATRIX:], 0.0
+    share = slope = falls = mu = rest = 0.0
+    speed, contact, push = flow.speed[mode], flow.contact[mode], flow.push[mode]
+    if piece >= 0:
+        sigma, pressed = _affine(speed, series.state, 0, n), _affine(contact, series.state, 0, n)
+        mu, slope, decay, falls = law_at(flow.pieces[piece], sigma)
+        share = 1.0 / (1.0 + flow.feedback[mode] * mu)
+        force = share * mu * pressed
+        rest = pressed - flow.feedback[mode] * force
+        parts[SIGMA, 0], parts[DECAY, 0], parts[MU, 0] = sigma, decay, mu
+        parts[CONTACT, 0], parts[REST, 0] = pressed, rest
+    for j in range(n + 1):
+        of_force = share * (mu * contact[j] + rest * slope * speed[j]) if j < n else 1.0
+        rows[n, j] = rows[n + 1, j] = 0.0
         for i in range(n):
-            matrix[i, j] += push[i] * of_state
+            rows[i, j] = push[i] * of_force + (flow.field[mode, i, j] if j < n else 0.0)
+            rows[n, j] += speed[i] * rows[i, j]
+            rows[n + 1, j] += contact[i] * rows[i, j]
     return force, share, slope, falls
 
 
 @inlined_kernel
-def _expand(flow, mode, piece, series, order, n):
-    """Write the series of the state from ``series.here`` in a mode to an order; ``piece`` of the law, −1 for none.
+def _next(row, state, k, n, left, scale):
+    """Return a coefficient of a coordinate, of σ or of q from those of the state before, and the rest of the force."""
+    total = 0.0
+    for i in range(n):
+        total += row[i] * state[i, k]
+    return scale * total + scale * row[n] * left
+
+
+@inlined_kernel
+def _expand(flow, mode, piece, series, n):
+    """Write the series of the n coordinates from ``series.here`` in a mode; ``piece`` of the law, −1 for none.
 
     The force f = η q follows from (1 + B μ) f = μ q with a single product of series, of μ with q − B f. In the
     coefficient of each order those of the state count as in the linear field at the start, and what else there is are
-    products of earlier ones, which a processor makes while it waits for them.
+    products of earlier ones, which a processor makes while it waits for them. It waits less as those of σ and q come
+    from the order before, like those of the state, and as what it knows last is added last.
     """
-    x, parts, unit, matrix = series.state, series.parts, series.unit[0], series.parts[MATRIX:]
+    x, parts, unit, rows = series.state, series.parts, series.unit[0], series.parts[MATRIX:]
     sigma, decay, rate, mu, rest = parts[SIGMA], parts[DECAY], parts[RATE], parts[MU], parts[REST]
-    law, speed, contact = flow.pieces[max(piece, 0)], flow.speed[mode], flow.contact[mode]
-    push, feedback, left, bent, late = flow.push[mode], flow.feedback[mode], 0.0, 0.0, 0.0
+    law, feedback, left, bent, late = flow.pieces[max(piece, 0)], flow.feedback[mode], 0.0, 0.0, 0.0
+    own = pressed = 0.0
     for i in range(n):
         x[i, 0] = series.here[i]
-    force, share, slope, falls = _begin_force(flow, mode, piece, series)
+    force, share, slope, falls = _begin_force(flow, mode, piece, series, n)
     for i in range(n):
-        x[i, 1] = unit * (_affine(flow.field[mode, i], x, 0) + push[i] * force)
+        x[i, 1] = unit * (_affine(flow.field[mode, i], x, 0, n) + flow.push[mode, i] * force)
+        own += flow.speed[mode, i] * x[i, 1]
+        pressed += flow.contact[mode, i] * x[i, 1]
     k = _ONE
-    while k < np.uint64(order):
+    while k < np.uint64(ORDER):
         if piece >= 0:
             if law[RISE] != 0.0:
                 bent = 0.0 if law[EXPONENT] == 1.0 else -law[FADE] * law[FADE] * _between(sigma, sigma, k)
                 late = _between(rate, decay, k) * _INVERSE[k] + bent * decay[0]
-            left = share * (rest[0] * law[RISE] * late + _between(mu, rest, k))
-        for i in range(n):
-            total = push[i] * left
-            for j in range(n):
-                total += matrix[i, j] * x[j, k]
-            x[i, k + _ONE] = unit * _INVERSE[k + _ONE] * total
-        if piece >= 0:
-            own = pressed = 0.0
-            for i in range(n):
-                own += speed[i] * x[i, k]
-                pressed += contact[i] * x[i, k]
+            left = share * rest[0] * law[RISE] * late + share * _between(mu, rest, k)
             sigma[k], parts[CONTACT, k], rate[k] = own, pressed, _ORDERS[k] * (bent + falls * own)
             decay[k], mu[k] = late + falls * decay[0] * own, law[RISE] * late + slope * own
-            rest[k] = pressed - feedback * (left + share * (mu[0] * pressed + rest[0] * slope * own))
+            rest[k] = pressed - feedback * share * (mu[0] * pressed + rest[0] * slope * own) - feedback * left
+        scale = unit * _INVERSE[k + _ONE]
+        for i in range(n):
+            x[i, k + _ONE] = _next(rows[i], x, k, n, left, scale)
+        own, pressed = _next(rows[n], x, k, n, left, scale), _next(rows[n + 1], x, k, n, left, scale)
         k += _ONE
-
-
-@kernel
-def expand(flow, mode, piece, series, order):
-    """Write the series of the state, as :func:`_expand` does; with a number of states that is known when it compiles.
-
-    Loops over two states are then written out, which takes a quarter of the time.
-    """
-    if series.here.size == 2:
-        _expand(flow, mode, piece, series, order, 2)
-    else:
-        _expand(flow, mode, piece, series, order, series.here.size)
 
 
 @kernel
@@ -208,11 +201,12 @@ def piece_at(flow, mode, state):
 
 
 @inlined_kernel
-def step_of(series):
-    """Return the time [s] up to which the last two terms of the series of each coordinate are rounding.
+def _step_of(series):
+    """Return the time [s] up to which the first term that the series of a coordinate leaves out is rounding.
 
-    That is in proportion to its sizes so far, and on the first step to the largest of its first three terms, or to the
-    first one that is not zero, as where a ramp sets out from steady sliding.
+    That is by each of its last two terms, as if terms fell evenly to it from its sizes so far, and on the first step
+    from the largest of its first three terms, or from the first one that is not zero, as where a ramp sets out from
+    steady sliding. Where all of these are zero, as in rest, the step is twice the one before, at first 1 s.
     """
     logarithm = math.inf
     for i in range(series.here.size):
@@ -220,16 +214,18 @@ def step_of(series):
         for last in range(ORDER - 1, ORDER + 1):
             if x[last] == 0.0:
                 continue
-            reach = math.log(TAIL * series.sizes[i] / abs(x[last])) / last if series.sizes[i] > 0.0 else -math.inf
+            reach = -math.inf
+            if series.sizes[i] > 0.0:
+                reach = math.log(series.sizes[i] / abs(x[last])) / last + TAIL / (ORDER + 1)
             if series.fresh[0] > 0.0:
                 for k in range(1, last):
                     if k > 2 and reach > -math.inf:
                         break
                     if x[k] != 0.0:
-                        reach = max(reach, math.log(TAIL * abs(x[k] / x[last])) / (last - k))
+                        reach = max(reach, math.log(abs(x[k] / x[last])) / (last - k) + TAIL / (ORDER + 1 - k))
             logarithm = min(logarithm, reach)
     series.fresh[0] = 0.0
-    return math.exp(logarithm) * series.unit[0]
+    return (1.0 if logarithm == math.inf else math.exp(logarithm)) * series.unit[0]
 
 
 @inlined_kernel
@@ -261,12 +257,12 @@ def begin(state, series):
 
 
 @kernel
-def go_on(series, t):
-    """Move the start of the step to the time t [s] on it, up to which sizes have been noted."""
+def go_on(series, step):
+    """Move the start of the step to the end of a step [s], whose spans are known."""
     for i in range(series.here.size):
-        series.here[i] = value_at(series.state[i], t / series.unit[0])
-    if 1e-300 < t < 1e300:
-        series.unit[0] = math.ldexp(1.0, math.frexp(t)[1])
+        series.here[i] += series.spans[i, 0] + series.spans[i, 1]
+    if 1e-300 < step < 1e300:
+        series.unit[0] = math.ldexp(1.0, math.frexp(step)[1])
 
 
 @inlined_kernel
@@ -319,18 +315,18 @@ def _cut_at_rise(law, sigma, step):
 
 @inlined_kernel
 def _find_spans(series, step):
-    """Write bounds of the changes of all coordinates on a step [s] to ``spans``."""
+    """Write bounds of the changes of all coordinates on a step [s] to ``spans``; their sum is the change at its end."""
+    t = step / series.unit[0]
     for i in range(series.here.size):
-        low, high, power = 0.0, 0.0, 1.0
-        for k in range(1, ORDER + 1):
-            power *= step / series.unit[0]
-            term = series.state[i, k] * power
-            low, high = low + min(term, 0.0), high + max(term, 0.0)
+        low = high = 0.0
+        for k in range(ORDER, 0, -1):
+            term = series.state[i, k]
+            low, high = (low + min(term, 0.0)) * t, (high + max(term, 0.0)) * t
         series.spans[i, 0], series.spans[i, 1] = low, high
 
 
-@kernel
-def cut_at_piece(flow, mode, piece, series, step):
+@inlined_kernel
+def _cut_at_piece(flow, mode, piece, series, step):
     """Return the end of a step [s] within a piece of the law, and the piece that holds from there on; finds spans."""
     unit = series.unit[0]
     if piece >= 0:
@@ -347,7 +343,7 @@ def cut_at_piece(flow, mode, piece, series, step):
     if low < least and most < high:
         return step, piece
     for k in range(ORDER + 1):
-        form[k] = _affine(flow.speed[mode], series.state, k)
+        form[k] = _affine(flow.speed[mode], series.state, k, series.here.size)
     following = piece
     if piece > flow.piece_start[mode]:
         until = _first_beyond(form, low, 1.0, whole)
@@ -361,6 +357,20 @@ def cut_at_piece(flow, mode, piece, series, step):
     return unit * whole, following
 
 
+@kernel
+def take_step(flow, mode, piece, series, longest):
+    """Write the series of a step from ``series.here`` in a mode; ``piece`` of the law, −1 for none.
+
+    Loops over two states are written out, which takes a quarter of the time; and all is one kernel, as to call one
+    takes a tenth of it. Returns the length of the step [s], at most ``longest``, and the piece behind it; finds spans.
+    """
+    if series.here.size == 2:
+        _expand(flow, mode, piece, series, 2)
+    else:
+        _expand(flow, mode, piece, series, series.here.size)
+    return _cut_at_piece(flow, mode, piece, series, min(_step_of(series), longest))
+
+
 @allocating_entry
 def sample(flow, mode, state, start, times, out):
     """Write the states at ``times`` [s] (k), ascending, of a stay that began at ``start`` in ``state`` to ``out``."""
@@ -368,9 +378,7 @@ def sample(flow, mode, state, start, times, out):
     begin(state, series)
     piece, passed, k = piece_at(flow, mode, state), 0.0, 0
     while k < times.size:
-        expand(flow, mode, piece, series, ORDER)
-        left = times[times.size - 1] - start - passed
-        step, piece = cut_at_piece(flow, mode, piece, series, min(step_of(series), left))
+        step, piece = take_step(flow, mode, piece, series, times[times.size - 1] - start - passed)
         ends = not passed + step > passed
         while k < times.size and (ends or times[k] - start <= passed + step):
             for i in range(state.size):
@@ -393,9 +401,8 @@ def advance(flow, mode, state, t, out):
 @inlined_kernel
 def travel(flow, mode, state, stay, scale, work):
     """Replace ``state`` by the one of the event that the search has just found, and write the sizes of its terms."""
-    go_on(work, work.place[0])
     for i in range(state.size):
-        state[i], scale[i] = work.here[i], work.sizes[i]
+        state[i], scale[i] = value_at(work.state[i], work.place[0] / work.unit[0]), work.sizes[i]
 
 
 @kernel
@@ -410,7 +417,7 @@ def slopes_at(flow, mode, state, scale, guard):
             sigma += flow.speed[mode, j] * state[j]
             pressed += flow.contact[mode, j] * state[j]
             size_of_force += abs(flow.contact[mode, j]) * scale[j]
-        mu, slope = law_at(flow.pieces[piece], sigma)
+        mu, slope, _, _ = law_at(flow.pieces[piece], sigma)
         one = 1.0 + flow.feedback[mode] * mu
         share, steep = mu / one, slope / (one * one)
         size_of_force *= abs(share)
@@ -446,8 +453,7 @@ def nodes(flow, mode, state, t, places, states, steps):
     begin(state, series)
     piece, passed = piece_at(flow, mode, state), 0.0
     while passed < t:
-        expand(flow, mode, piece, series, ORDER)
-        step, piece = cut_at_piece(flow, mode, piece, series, min(step_of(series), t - passed))
+        step, piece = take_step(flow, mode, piece, series, t - passed)
         if count < steps.size:
             steps[count] = step
             for j in range(places.size):

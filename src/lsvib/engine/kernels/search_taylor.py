@@ -15,19 +15,18 @@ from lsvib.engine.kernels.flow_planar import EPS
 from lsvib.engine.kernels.flow_taylor import (
     ETA,
     begin,
-    cut_at_piece,
-    expand,
     find_share,
     go_on,
     is_settled,
     piece_at,
     series_for,
-    step_of,
+    take_step,
     value_at,
 )
 from lsvib.engine.kernels.jit import allocating_kernel, inlined_kernel, kernel
 from lsvib.engine.kernels.layout import CROSSING, GRAZE, LOST, NONE, ORDER
 
+_SHARES = np.array([1.0 / math.comb(ORDER, k) for k in range(ORDER + 1)])  # 1 over the binomial coefficients
 _FINEST = 2.0**-40  # part of a step on which a guard that is still undecided touches zero
 # Steps below the rounding of the time, one after the other, in which a guard may still be reached: so it is where the
 # acceleration grows without bound before Γ₊ = 0.
@@ -73,14 +72,13 @@ def _into_bernstein(form, start, width, local):
     last = form.size - 1
     for k in range(last + 1):
         local[k] = form[k]
-    for i in range(last):
+    for i in range(last if start > 0.0 else 0):
         for k in range(last - 1, i - 1, -1):
             local[k] += start * local[k + 1]
-    power, binomial = 1.0, 1.0
+    power = 1.0
     for k in range(last + 1):
-        local[k] *= power / binomial
+        local[k] *= power * _SHARES[k]
         power *= width
-        binomial *= (last - k) / (k + 1.0)
     for i in range(1, last + 1):
         for k in range(last, i - 1, -1):
             local[k] += local[k - 1]
@@ -178,16 +176,11 @@ def search(flow, mode, state, guards, on_surface, limit, work):
         if is_settled(flow, mode, work.here):  # passages beside the point of rest, which are many, say nothing
             return NONE, -1, limit
         work.steps[0] -= 1.0
-        expand(flow, mode, piece, work, ORDER)
-        step = step_of(work)
-        if step == math.inf:  # a polynomial of the time, as in rest
-            if not _moves(work):
-                return NONE, -1, limit
-            step = max(1.0, passed)
-        step = min(step, limit - passed)
-        if work.steps[0] < 0.0 or not 0.0 < step < math.inf:
+        step, following = take_step(flow, mode, piece, work, limit - passed)
+        if not _moves(work):
+            return NONE, -1, limit
+        if work.steps[0] < 0.0 or not 0.0 < step < 1e300:
             return LOST, -1, limit
-        step, following = cut_at_piece(flow, mode, piece, work, step)
         flow_taylor.note_sizes(work, step)
         found, first, top = NONE, -1, 1.0
         for guard in range(guards.shape[0]):
@@ -277,8 +270,7 @@ def extremes(flow, mode, state, functional, duration):
     begin(state, series)
     piece, passed, low, high = piece_at(flow, mode, state), 0.0, math.inf, -math.inf
     while passed <= duration:
-        expand(flow, mode, piece, series, ORDER)
-        step, following = cut_at_piece(flow, mode, piece, series, min(step_of(series), duration - passed))
+        step, following = take_step(flow, mode, piece, series, duration - passed)
         _functional(flow, mode, piece, series, functional)
         piece = following
         low, high = _extremes_on_step(series.guard, step / series.unit[0], low, high, series.local)
