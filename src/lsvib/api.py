@@ -360,18 +360,18 @@ class DriveMethods(_Base):
         >>> found.label.shape, f"{found.basin_area.item():.4f} {found.basin_area.units}"
         ((30, 40), '0.9553 rad2 s-1')
 
-        See also: :meth:`basin`, in closed form; :meth:`steady_state`, for one start.
+        See also: :meth:`basin`, its exact boundary; :meth:`steady_state`, for one start.
         """
         from lsvib.datasets.map import map_attraction
 
         return map_attraction(self, grid, quantities, workers, progress)
 
     def basin(self) -> "Basin":
-        """Return the region of attraction of steady sliding of a rigid drive, bounded in closed form.
+        """Return the region of attraction of steady sliding of a rigid drive, bounded by a curve.
 
         A motion leaves the mode of steady sliding through Q = 0 (eq. 8.17) or θ′ = 0. The boundary is a repelling
-        cycle, or the motion that only touches one of these lines, followed backwards in time from event to event
-        (docs/basin.md).
+        cycle, or the motion that only touches one of these lines, followed backwards in time from event to event, in
+        closed form or, under a friction law, by power series (docs/basin.md).
 
         Returns the :class:`lsvib.Basin`, which says whether it contains a state (u [rad], w [rad/s]) and has its
         boundary as curves and its area, of all or within a window [rad²/s]. Raises ``InputError`` for others than

@@ -81,7 +81,7 @@ def test_labels_of_planar_slices_against_the_return_map(model):
     assert again["label"].tobytes() == found["label"][2:5, 1:4].tobytes()
 
 
-BOUNDED = ("Fig. 8.14b beyond m_cr", "touching slip", "near the fold", "the other way round")
+BOUNDED = ("Fig. 8.14b beyond m_cr", "touching slip", "near the fold", "the other way round", "friction law")
 WINDOW = {"u": (-0.3, 0.3), "w": (-150, 150)}
 CLOSE = 1e-7  # relative distance from the boundary: far above rounding
 

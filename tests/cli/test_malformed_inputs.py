@@ -163,8 +163,10 @@ REFUSED_BASINS = [
     ({"mass": 11, "support_damping": 1e-3, "translation_damping": 5000, "axial_force": -1000}, "not covered"),
     ({"mass": 5, "support_damping": 4.7e-5, "translation_damping": 10600, "axial_force": -0.16}, "without a turn"),
     ({**FAST_NUT, "axial_force": 40.56}, "rest does not settle"),
-    ({"friction": "powered_seat", "axial_force": -35}, "holds for friction that does not depend on speed"),
-    ({"static_friction_coefficient": 0.3}, "the closed form of the basin holds for static friction that is not above"),
+    ({"friction": "powered_seat", "axial_force": 100}, "attracts nothing"),
+    ({"friction": "powered_seat", "mass": 11, "axial_force": -20}, "this friction law reaches the Painlevé region"),
+    ({"static_friction_coefficient": 0.3}, "the boundary of the basin holds for static friction that is not above"),
+    ({"friction": "powered_seat", "static_friction_coefficient": 0.3}, "holds for static friction that is not above"),
 ]
 REFUSED_THRESHOLDS = [
     (LIGHT, ("stick", 3), "unknown = 3 is not a parameter"),

@@ -54,7 +54,7 @@ def test_a_link_gives_the_view_back(seed):
     [
         ("mass=-1", "mass = -1.0 is outside the allowed range 1e-18 <= mass <= 1e+09."),
         ("u=nan", "u = 'nan' is not a number."),
-        ("left=1&right=0&bottom=0&top=1", "left < right"),
+        ("left=1&right=0&bottom=0&top=1", "window u = 1 to 0 is outside the allowed range low < high"),
         ("left=1", "all of left, right, bottom and top"),
         ("over=mass&low=-3&high=2", "mass = -3"),
     ],

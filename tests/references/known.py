@@ -41,4 +41,16 @@ BASINS = {  # scene: what bounds the basin, drive
     "overdamped": ("none", PARADOX.replace(support_damping=1e-2, axial_force=-20)),
     "overdamped, touching slip": ("touching_slip", PARADOX.replace(support_damping=1e-2, axial_force=-1)),
     "force with the motion, no seizure": ("none", Drive(mass=10, support_damping=1e-4, axial_force=20)),
+    "friction law": (
+        "cycle", Drive(friction="powered_seat", mass=5, support_damping=6e-4, axial_force=90, input_speed=8)
+    ),
+    "friction law, the other way round": (
+        "cycle", Drive(friction="powered_seat", mass=5, support_damping=6e-4, axial_force=-90, input_speed=-8)
+    ),
+    "friction law with a Painlevé band": (
+        "cycle", Drive(friction="powered_seat", mass=9, support_damping=2e-4, axial_force=15)
+    ),
+    "friction law, globally stable": (
+        "none", Drive(mass=5, support_damping=1e-3, axial_force=60, friction_slope=-0.05)
+    ),
 }  # fmt: skip

@@ -232,7 +232,7 @@ def _motion(draw: Draw, name: str) -> AssessedMotion:
     if moved.attractor in ("unknown", "unresolved") and sheet.parts:  # the simpler drive says more than nothing
         moved = there.motion(strong, stiff=True)
     tolerated = (None, "") if sheet.support is not None else there.tolerated
-    if sheet.support is None and not sheet.closed:
+    if sheet.support is None and not sheet.closed and (sheet.parts or tolerated[0] is None):
         tolerated = motions.tolerated_by_trial(there.drive, tolerated[0], sheet.parts)
     return AssessedMotion(name, there, moved, tolerated)
 

@@ -136,11 +136,8 @@ def _statics_json(found: Statics) -> dict[str, Any]:
 
 
 def _starting_json(found: Starting) -> dict[str, Any]:
-    travel, moved, even = (
-        found.there.draw.travel,
-        found.motion,
-        None if found.even_speed == math.inf else found.even_speed,
-    )
+    travel, moved = found.there.draw.travel, found.motion
+    even = None if found.even_speed == math.inf else found.even_speed
     return {
         "jerks": found.jerks,
         "even_speed": even,

@@ -19,7 +19,9 @@ from lsvib.models.scene import read_yaml
 from lsvib.numbers import shown, whole_between
 
 
-class _Part(BaseModel):
+class Part(BaseModel):
+    """A part of a sheet."""
+
     model_config = ConfigDict(frozen=True, extra="forbid", arbitrary_types_allowed=True)
     _needed: ClassVar[tuple[tuple[str, ...], ...]] = ()  # entries of which one must be given
     _either: ClassVar[tuple[tuple[str, ...], ...]] = ()  # an entry, and others that are not given beside it
@@ -42,13 +44,13 @@ class _Part(BaseModel):
     def entries(self, before: str = "") -> Iterator[tuple[str, Any]]:
         """Yield the entries of all parts that are given, such as (load.mass, spread), each with ``before`` its name."""
         for key, entry in self:
-            if isinstance(entry, _Part):
+            if isinstance(entry, Part):
                 yield from entry.entries(f"{before}{key}.")
             elif before and key in self.model_fields_set:
                 yield f"{before}{key}", entry
 
 
-class Thread(_Part):
+class Thread(Part):
     """A thread: a size of the catalogue, or lead (or lead angle, or pitch and starts) and diameter."""
 
     size: Size | None = None
@@ -84,7 +86,7 @@ class Thread(_Part):
         return None
 
 
-class Screw(_Part):
+class Screw(Part):
     """What turns: an inertia, or a cylinder, which vibration needs; its mass is needed with a support only.
 
     With ``ends`` its column and its critical speed are judged, over ``unsupported_length``, or else ``length``.
@@ -114,7 +116,7 @@ class Screw(_Part):
         return None
 
 
-class Nut(_Part):
+class Nut(Part):
     """The nut: its length, over which the threads are engaged, and what it bears, by ``material`` or by limits.
 
     With a ``preload`` it has two halves that a spring presses apart, each of that length. ``load_share``: of the load,
@@ -140,7 +142,7 @@ class Nut(_Part):
         return None
 
 
-class Coupling(_Part):
+class Coupling(Part):
     """What joins motor and screw; with a gear the stiffness is that on the side of the motor."""
 
     stiffness: fields.Torsion | None = None
@@ -149,7 +151,7 @@ class Coupling(_Part):
     damping: fields.TurningDamping | None = None
 
 
-class Motor(_Part):
+class Motor(Part):
     """The motor before the coupling: its inertia, and what ties it to the commanded motion.
 
     That are the gains of a PI controller of the speed, K_p and K_i, or the ``bandwidth`` ω / 2π of one that on a stiff
@@ -174,7 +176,7 @@ class Motor(_Part):
         return None
 
 
-class Load(_Part):
+class Load(Part):
     """What is moved, and what it is pushed with: a positive force opposes outward travel."""
 
     mass: fields.Mass | None = None
@@ -189,14 +191,14 @@ class Load(_Part):
         return None
 
 
-class Running(_Part):
+class Running(Part):
     """How the drive is run: speeds of the screw or of the load, and the directions of travel."""
 
     speed: fields.Speed
     direction: Literal["out", "back", "both"] = "both"
 
 
-class Friction(_Part):
+class Friction(Part):
     """Friction of the threads: a coefficient, or a measured efficiency, or a curve; and its slope over the speed.
 
     ``pairing``, a name of :data:`lsvib.models.pairings.PAIRINGS`, stands for the coefficient and law that it states.
@@ -267,21 +269,21 @@ class Friction(_Part):
         return None
 
 
-class Dampings(_Part):
+class Dampings(Part):
     """Viscous damping of the rotation of the screw, and of the travel of the load."""
 
     rotational: fields.TurningDamping | None = None
     translational: fields.LinearDamping | None = None
 
 
-class Collar(_Part):
+class Collar(Part):
     """A thrust collar that slides under the axial force: its friction coefficient and its mean diameter."""
 
     coefficient: fields.Coefficient
     mean_diameter: fields.Length
 
 
-class Bearing(_Part):
+class Bearing(Part):
     """What brakes the screw: a torque whatever the load, viscous damping, and a thrust collar."""
 
     torque: fields.Drag | None = None
@@ -289,20 +291,20 @@ class Bearing(_Part):
     collar: Collar | None = None
 
 
-class Guide(_Part):
+class Guide(Part):
     """What brakes the load on its way: friction that does not depend on the force on the load."""
 
     friction: fields.Rubbing
 
 
-class Spring(_Part):
+class Spring(Part):
     """A spring with a damper, of the thread contact or of the axial support."""
 
     stiffness: fields.Stiffness
     damping: fields.LinearDamping | None = None
 
 
-class Sheet(_Part):
+class Sheet(Part):
     """A whole data sheet. ``sources`` and ``assumptions`` say of an entry, such as load.mass, where it comes from.
 
     Without one of the mass that is moved, the screw's inertia and the coupling's stiffness it is one of statics.

@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lsvib.assess.words import TOLERATED, shown
-from lsvib.basins.boundary import AttractsNothing, basin
-from lsvib.basins.resilience import largest_tolerated
+from lsvib.basins.resilience import resilience
 from lsvib.dynamics.attractor import Attractor, SteadyState, orbit_extremes, steady_state
 from lsvib.dynamics.impulses import event_impulses
 from lsvib.engine.automaton import Automaton
@@ -199,20 +198,15 @@ def tolerated(drive: Drive) -> Tolerated:
     if not drive.rigid:
         return None, TOLERATED["no_closed_form"]
     try:
-        if rigid_automaton(drive).contracts and drive.support_damping > 0:
-            return math.inf, TOLERATED["any"]
         c = coefficients(drive)
         ratio = 0.5 * float(c.damping[-1]) / math.sqrt(drive.coupling_stiffness * float(c.gamma[-1]))
-        if not c.paradox and 0 < ratio < 2e-4:  # the boundary winds through more than 10⁴ turns
-            return None, TOLERATED["hardly_damped"]
-        region = basin(drive)
-    except AttractsNothing as error:
-        return 0.0, str(error)
+        if not (c.paradox or rigid_automaton(drive).contracts) and 0 < ratio < 2e-4:
+            return None, TOLERATED["hardly_damped"]  # the boundary winds through more than 10⁴ turns
+        found = resilience(drive).speed
     except (InputError, EngineError) as error:
         return None, str(error)
-    if not region.curves:
-        return math.inf, TOLERATED["any"]
-    found = largest_tolerated(region, 1)
+    if found in (0.0, math.inf):
+        return found, TOLERATED["any" if found else "none"]
     if found > 1e4 * abs(drive.input_speed):  # more than a drive meets
         return math.inf, TOLERATED["any_sudden"]
     return found, TOLERATED["some"]

@@ -1,31 +1,35 @@
-"""The basin of steady sliding in the rigid drive: its boundary in closed form, its area (Sect. 8.7).
+"""The basin of steady sliding in the rigid drive: its exact boundary, also under a friction law, its area (Sect. 8.7).
 
 The boundary is found by following one motion backwards in time; docs/basin.md says where it may come from, and proves
 that this is enough. Let Ω > 0 (otherwise the drive is mirrored), and Q = q_u u + q_w w + q_0 (eq. 8.17). For Γ₊ > 0 it
-is a motion that starts near the equilibrium; for Γ₊ ≤ 0, the Painlevé region, with R̃ Ω < 0, it is the motion that
-touches Q = 0, at a point T.
+is a motion that starts near the equilibrium, also under a law; for Γ₊ ≤ 0, the Painlevé region, with R̃ Ω < 0, it is the
+motion that touches Q = 0, at a point T.
 """
 
 import math
 from dataclasses import dataclass, field
 from enum import IntEnum
+from typing import Any
 
 import numpy as np
 from flint import arb
 from numpy.typing import ArrayLike, NDArray
 
-from lsvib.basins.curves import Arc, Curve, Part, Segment, Window, area, clip, contains, inside, sampled
-from lsvib.basins.reversed_time import BEGINNING, backward_automaton
+from lsvib.basins.curves import Arc, Curve, Flow, Part, Segment, Window, area, clip, contains, inside, sampled
+from lsvib.basins.reversed_time import BEGINNING, backward_automaton, backward_under_law
 from lsvib.dynamics.attractor import steady_state
+from lsvib.dynamics.cycles import swing
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.exact.arithmetic import many_digits
-from lsvib.engine.kernels.layout import TIME_SCALE, Status
+from lsvib.engine.kernels.layout import Status
 from lsvib.engine.motion import Motion, follow
 from lsvib.errors import EngineError, InputError, LsvibError
 from lsvib.models import friction
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import Coefficients, coefficients
 from lsvib.models.rigid import MotionMode, rigid_automaton
+
+_ATTRACTS_NOTHING = "steady sliding attracts nothing in this drive"
 
 
 class AttractsNothing(InputError):
@@ -56,12 +60,7 @@ class Basin:
     drive: Drive
     boundary: Boundary
     curves: tuple[Curve, ...] = field(repr=False)
-    flow: np.ndarray = field(repr=False)
-
-    @property
-    def codes(self) -> list[int]:
-        """Codes of the modes to whose rows of ``flow`` the arcs refer."""
-        return [int(code) for code in rigid_automaton(self.drive).codes]
+    flow: Flow = field(repr=False)
 
     def contains(self, state: ArrayLike) -> bool:
         """Whether the motion from ``state`` (u [rad], w [rad/s]) settles; on the boundary itself either answer."""
@@ -117,20 +116,28 @@ def basin(drive: Drive) -> Basin:
     cannot follow the boundary.
     """
     if not drive.rigid:
-        raise InputError("the basin has a closed form for rigid drives only; attraction maps that of any other.")
-    if wanted := friction.refusal(drive):
-        raise InputError(f"the closed form of the basin {wanted}.")
+        raise InputError("the boundary of the basin is known for rigid drives only; attraction maps that of any other.")
+    if wanted := friction.refusal(drive, law=True):
+        raise InputError(f"the boundary of the basin {wanted}.")
     if drive.input_speed < 0:
         return _mirrored(basin(drive.replace(input_speed=-drive.input_speed, axial_force=-drive.axial_force)), drive)
     c = coefficients(drive)
-    _require_attraction(c)
-    find = _in_paradox if c.paradox else _continuous
+    if c.net_force == 0:
+        raise InputError(
+            "axial_force balances the translation damping exactly, so the contact carries no force and no law holds."
+        )
+    law = friction.depends_on_speed(drive)
+    damping, gamma = c.damping[c.steady_law], c.gamma[c.steady_law]
+    if not law and (damping <= 0 or gamma <= 0):
+        words = f"{_ATTRACTS_NOTHING}: its effective damping or inertia is not positive."
+        raise AttractsNothing(words, neutral=damping == 0 < gamma)
+    find = _under_law if law else _in_paradox if c.paradox else _continuous
     boundary, curves = find(drive, c)
     return Basin(drive, boundary, tuple(curves), rigid_automaton(drive).tables.flow)
 
 
 def known_basin(drive: Drive) -> Basin | None:
-    """Return the basin of a drive of any model; None where its boundary is not known in closed form.
+    """Return the basin of a drive of any model; None where its boundary is not known.
 
     Those are drives that are not rigid, and the few rigid drives for which :func:`basin` raises.
     """
@@ -140,16 +147,15 @@ def known_basin(drive: Drive) -> Basin | None:
         return None
 
 
-def _require_attraction(c: Coefficients) -> None:
-    if c.net_force == 0:
-        raise InputError(
-            "axial_force balances the translation damping exactly, so the contact carries no force and no law holds."
-        )
-    if c.damping[c.steady_law] <= 0 or c.gamma[c.steady_law] <= 0:
-        raise AttractsNothing(
-            "steady sliding attracts nothing in this drive: its effective damping or inertia is not positive.",
-            neutral=c.damping[c.steady_law] == 0 < c.gamma[c.steady_law],
-        )
+def _under_law(drive: Drive, c: Coefficients) -> tuple[Boundary, list[Curve]]:
+    """Return the basin under a friction law, likewise; the motion starts where the engine proves that it settles."""
+    flow: Any = rigid_automaton(drive).tables.flow
+    mode = int(np.argmax(flow.settled_level))
+    if not (level := float(flow.settled_level[mode])) > 0:
+        raise AttractsNothing(f"{_ATTRACTS_NOTHING}: what disturbs it grows.", neutral=False)
+    start = 0.5 * math.sqrt(level / flow.settled_form[mode, 0, 0])
+    arcs = _wind_up(drive, backward_under_law(drive), np.array([start, 0.0]), mode)
+    return (Boundary.CYCLE, [[*arcs]]) if arcs else (Boundary.NONE, [])
 
 
 def _continuous(drive: Drive, c: Coefficients) -> tuple[Boundary, list[Curve]]:
@@ -170,10 +176,8 @@ def _continuous(drive: Drive, c: Coefficients) -> tuple[Boundary, list[Curve]]:
     q_u, q_w, q_0 = (abs(float(x)) for x in c.q_row)
     change = q_u + q_w * rate
     start = 0.5 * min(q_0 / change if change else math.inf, drive.input_speed / rate)
-    orbit = _wind_up(drive, back, np.array([start, 0.0]), _row_of(back, mode))
-    if orbit is None:
-        return Boundary.NONE, []
-    return Boundary.CYCLE, [[*_forward_arcs(orbit, drive)]]
+    arcs = _wind_up(drive, back, np.array([start, 0.0]), _row_of(back, mode))
+    return (Boundary.CYCLE, [[*arcs]]) if arcs else (Boundary.NONE, [])
 
 
 def _in_paradox(drive: Drive, c: Coefficients) -> tuple[Boundary, list[Curve]]:
@@ -200,10 +204,9 @@ def _in_paradox(drive: Drive, c: Coefficients) -> tuple[Boundary, list[Curve]]:
     if c.q_row[1] == 0:
         return Boundary.NONE, []
     if not ended:
-        orbit = _wind_up(drive, back, start, mode)
-        if orbit is None:
+        arcs = _wind_up(drive, back, start, mode)
+        if not arcs:
             return Boundary.NONE, []
-        arcs = _forward_arcs(orbit, drive)
     if c.q_row[1] < 0:
         raise EngineError(
             "seizures on the boundary of the basin end backward slip, which should be impossible; please report it."
@@ -258,23 +261,34 @@ def _with_seizures(slip: Arc, c: Coefficients) -> Curve:
     ]
 
 
-def _wind_up(drive: Drive, back: Automaton, start: NDArray[np.float64], mode: int) -> Motion | None:
-    """Return one turn of the cycle on to which a motion backwards winds; None if it grows or does not come back."""
-    state, used, chunk = start, 0, 32
+def _wind_up(drive: Drive, back: Automaton, start: NDArray[np.float64], mode: int) -> list[Arc]:
+    """Return one turn of the cycle on to which a motion backwards winds; none if it grows or does not come back."""
+    law, state, used, chunk = friction.depends_on_speed(drive), start, 0, 32
     # The turns only grow (docs/basin.md). By 1e9 the constants of the drive no longer count, and they grow for ever.
-    far, most = 1e9 * np.abs(start).max(), 2_000_000  # events, some seconds: turns that still grow hardly do
-    scale = back.tables.flow[mode, TIME_SCALE]
-    while used < most:
+    far, scale = 1e9 * max(np.abs(start).max(), law * drive.input_speed), swing(drive)[0] / drive.input_speed
+    most = 100_000 if law else 2_000_000  # events, some seconds: turns that still grow hardly do
+    while used < most and chunk:
         trace = _traced(back, state, mode, chunk)
+        if law and (trace is None or trace.status == Status.SETTLED):  # go on up to the last event before
+            chunk //= 2
+            continue
         if trace is None or trace.status == Status.SETTLED or np.abs(trace.after).max() > far:
-            return None
+            return []
         state, mode = trace.end_state, trace.end_mode
-        found = steady_state(back, state, mode=mode, max_events=1)
+        found = steady_state(back, state, mode=mode, max_events=3000 if law else 1)
         # An event that recurs at once, within a small part of a time scale of slip, is not a turn, which has some six.
         if found.orbit is not None and found.residual < 1e-9 and found.period > 1e-3 * found.returns * scale:
             once = found.orbit.time.size // found.returns
-            return follow(back, found.orbit.start_state, math.inf, mode=found.orbit.start_mode, max_events=once)
+            turn = follow(back, found.orbit.start_state, math.inf, mode=found.orbit.start_mode, max_events=once)
+            return _forward_arcs(turn, drive)
         used, chunk = used + chunk, 2 * chunk
+    if not chunk and np.abs(state).max() > 1e-4 * far:  # what divides the modes is lost in rounding
+        return []
+    if not chunk:
+        raise InputError(
+            "the motion backwards from steady sliding comes to speeds at which this friction law reaches the Painlevé "
+            "region, or goes away without a turn; the basin of such a drive is not covered."
+        )
     raise InputError(
         f"support_damping = {drive.support_damping:g} and translation_damping = {drive.translation_damping:g} change a "
         "motion so little in a turn that the boundary of the basin cannot be followed to its end."
@@ -291,7 +305,7 @@ def _traced(back: Automaton, state: NDArray[np.float64], mode: int, events: int)
 
 def _forward_arcs(trace: Motion, drive: Drive) -> list[Arc]:
     """Return the arcs of a motion backwards as arcs forward in time, the earliest first; none has zero duration."""
-    codes, turned = trace.automaton.codes, np.array([1.0, -1.0])
+    codes, turned = trace.automaton.codes, np.array([1.0, 1.0 if friction.depends_on_speed(drive) else -1.0])
     return [
         Arc(_row_of(rigid_automaton(drive), codes[mode]), end * turned, start * turned, float(duration))
         for mode, start, end, duration in zip(*trace.arcs(), strict=True)
@@ -312,7 +326,7 @@ def _mirrored(found: Basin, drive: Drive) -> Basin:
         """A piece of the boundary, turned by half a turn, with the mode that has both signs reversed."""
         if isinstance(piece, Segment):
             return Segment(-piece.start, -piece.end)
-        code = MotionMode.SLIP_BACKWARD_NEGATIVE - found.codes[piece.mode]
+        code = MotionMode.SLIP_BACKWARD_NEGATIVE - int(rigid_automaton(found.drive).codes[piece.mode])
         return Arc(_row_of(automaton, code), -piece.start, -piece.end, piece.duration)
 
     curves = tuple([turned(piece) for piece in curve] for curve in found.curves)

@@ -1,26 +1,26 @@
 r"""Regions of the phase plane bounded by arcs of a flow and straight segments: areas, points, windows – all exact.
 
 A curve is a list of pieces, each beginning where the one before ends; the region that it bounds lies on its *right*: a
-motion turns clockwise in the phase plane. The area is then ∮ w du (docs/basin.md), in balls of 150 digits: the strips
-under a boundary nearly cancel, in a narrow window to 24 digits, and a small a₁ costs 20 more. Along a line w = const,
-from u = −∞ on, the region is entered where a curve rises and left where one falls; if it is left once more than it is
-entered, it holds u = −∞.
+motion turns clockwise in the phase plane. The area is then ∮ w du (docs/basin.md). Along a line w = const, from u = −∞
+on, the region is entered where a curve rises and left where one falls; if it is left once more than it is entered, it
+holds u = −∞. The flow may be that of oscillators or that under a friction law: the engine alone tells them apart.
 """
 
 import itertools
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple, Self
 
 import numpy as np
-from flint import arb
+from numpy.typing import ArrayLike
 
 from lsvib import numbers
-from lsvib.engine.exact.arithmetic import many_digits
-from lsvib.engine.kernels import flow_planar, layout, search_planar
+from lsvib.dynamics.energy import quadratic_integrals
+from lsvib.engine.automaton import Automaton
+from lsvib.engine.kernels.layout import FIRST_MODEL_KIND, Status, Tables, TaylorFlow
+from lsvib.engine.motion import follow
 from lsvib.errors import InputError
-from lsvib.stability.slip import Slip
 
 
 @dataclass(frozen=True)
@@ -41,6 +41,7 @@ class Arc:
     duration: float
 
 
+Flow = np.ndarray | TaylorFlow  # of modes with two states, also under a friction law
 Piece = Arc | Segment
 Curve = list[Piece]
 
@@ -84,131 +85,118 @@ class Window(NamedTuple):
 Part = Window | Mapping[str, tuple[float, float]]
 """A part of the phase plane, as users give it: ends of u [rad] and w [rad/s]."""
 
+_NOTHING = np.array([0.0, 0.0, 1.0])  # a row that never falls through zero
 
-def state_on(flow: np.ndarray, arc: Arc, time: float) -> np.ndarray:
+
+def _watching(flow: Flow, row: np.ndarray) -> Automaton:
+    """Return an automaton that stays in each mode of a flow table; an event is where a row (3) falls through zero."""
+    count = len(flow if isinstance(flow, np.ndarray) else flow.push)
+    each, none, bounds = np.arange(count), np.zeros(count, dtype=np.int64), np.arange(count + 1)
+    tables = Tables(
+        flow=flow,  # type: ignore[arg-type]
+        surfaces=row[None], snap=np.array([int(abs(row[1]) > abs(row[0]))]), guard_start=bounds,
+        guard_surface=none, guard_sign=np.ones(count), guard_transition=each, guard_parts=np.empty((count, 0)),
+        transition_reset=none - 1, resets=np.empty((0, 2, 3)), branch_start=bounds, branch_mode=each,
+        branch_kind=none + FIRST_MODEL_KIND, branch_sign=none, condition_start=0 * bounds,
+        condition_row=np.empty((0, 3)), condition_test=none[:0], beyond_accumulation=none - 1, shortest_stay=0.0,
+    )  # fmt: skip
+    return Automaton(tables, each, ("u", "w"), {})
+
+
+def states_on(flow: Flow, arc: Arc, times: ArrayLike) -> np.ndarray:
+    """Return the states (k, 2) on an arc at ascending times (k) [s] after its start."""
+    states, _ = follow(_watching(flow, _NOTHING), arc.start, arc.duration, mode=arc.mode).at(times)
+    return states
+
+
+def state_on(flow: Flow, arc: Arc, time: float) -> np.ndarray:
     """Return the state (2) on an arc at a time [s] after its start."""
-    state = np.empty(2)
-    flow_planar.advance(flow, arc.mode, np.asarray(arc.start, dtype=float), time, state)
-    return state
+    return np.asarray(states_on(flow, arc, [time])[0])
 
 
-def sign_changes(flow: np.ndarray, arc: Arc, row: np.ndarray) -> list[float]:
+def sign_changes(flow: Flow, arc: Arc, row: np.ndarray) -> list[float]:
     """Return the times [s] in (0, duration) at which an affine function (3) of the state changes sign along an arc."""
     times: list[float] = []
-    time, state = 0.0, np.asarray(arc.start, dtype=float)
-    value, size = flow_planar.level(row, state, np.abs(state))
-    rate, rate_size, bend, _ = flow_planar.slopes_at(flow, arc.mode, state, np.abs(state), row)
-    touches = abs(value) <= size
-    sign = math.copysign(1.0, (rate if abs(rate) > rate_size else bend) if touches else value)
+    time, state, sign = 0.0, arc.start, -1.0 if row[:2] @ arc.start + row[2] < 0 else 1.0
     while True:
-        found, stay = search_planar.crossing(flow, arc.mode, state, sign * row, touches, arc.duration - time)
-        time += stay
-        if found == layout.Found.NONE or time >= arc.duration:
+        stop = FIRST_MODEL_KIND, -1
+        found = follow(_watching(flow, sign * row), state, arc.duration - time, mode=arc.mode, stop=stop)
+        time, state, sign = time + found.end_time, found.end_state, -sign
+        if found.status != Status.STOP_EVENT or time >= arc.duration:
             return times
-        if found == layout.Found.CROSSING:
+        if time > 0:
             times.append(time)
-            sign = -sign
-        state, touches = state_on(flow, arc, time), True
 
 
-def split(flow: np.ndarray, arc: Arc, times: Sequence[float]) -> list[Piece]:
-    """Return an arc as arcs between ascending ``times`` [s] in (0, duration)."""
-    bounds = [0.0, *times, arc.duration]
-    states = [arc.start, *(state_on(flow, arc, t) for t in times), arc.end]
-    return [Arc(arc.mode, states[k], states[k + 1], bounds[k + 1] - bounds[k]) for k in range(len(bounds) - 1)]
-
-
-def sampled(flow: np.ndarray, curves: Iterable[Curve], count: int = 100) -> np.ndarray:
+def sampled(flow: Flow, curves: Iterable[Curve], count: int = 100) -> np.ndarray:
     """Return points (n, 2) along curves for drawing, ``count`` to an arc, with a row of NaN between two curves."""
     points: list[Any] = []
     for curve in curves:
         points += [[math.nan, math.nan]] if points else []
         for piece in curve:
             if isinstance(piece, Arc):
-                points += [state_on(flow, piece, t) for t in np.linspace(0.0, piece.duration, count)]
+                points += [*states_on(flow, piece, np.linspace(0.0, piece.duration, count))]
             else:
                 points += [piece.start, piece.end]
     return np.array(points).reshape(-1, 2)
 
 
-def area(flow: np.ndarray, curves: Iterable[Curve]) -> float:
+def area(flow: Flow, curves: Iterable[Curve]) -> float:
     """Return the area [rad²/s] to the right of closed curves (flow table, curves), by Green's theorem.
 
     Neighbouring pieces meet to rounding; a straight line closes each gap, so that it counts for no more than it holds.
     """
-    with many_digits():
-        total = arb(0)
-        for curve in curves:
-            for piece, following in zip(curve, [*curve[1:], curve[0]], strict=True):
-                strip, end = _strip(flow, piece)
-                total += strip + _under_line(end, _balls(following.start))
-        return float(total)
+    return math.fsum(strip for curve in curves for strip in _strips(flow, curve))
 
 
-def _balls(point: np.ndarray) -> tuple[arb, arb]:
-    return arb(float(point[0])), arb(float(point[1]))
+def _strips(flow: Flow, curve: Curve) -> Iterator[float]:
+    """Yield ∫ (w − level) du along the pieces of a closed curve, and along the lines that close its gaps."""
+    level = float(curve[0].start[1])  # so that what lies below a narrow window does not count, and is not rounded
+    form = np.array([[[0.0, 0.0, 0.0], [0.0, 1.0, -level], [0.0, 0.0, 0.0]]])
+
+    def under_line(start: np.ndarray, end: np.ndarray) -> float:
+        return float(((start[1] - level) + (end[1] - level)) * (end[0] - start[0]) / 2)
+
+    for piece, following in zip(curve, [*curve[1:], curve[0]], strict=True):
+        end = piece.end
+        if isinstance(piece, Segment):
+            yield under_line(piece.start, end)
+        else:  # du = w dt; a stiff arc that was followed backwards does not quite lead to its end
+            moving, end = _watching(flow, _NOTHING), state_on(flow, piece, piece.duration)
+            yield float(quadratic_integrals(moving, piece.mode, piece.start, piece.duration, form)[0])
+        yield under_line(end, following.start)
 
 
-def _under_line(start: tuple[arb, arb], end: tuple[arb, arb]) -> arb:
-    """∫ w du along a straight line."""
-    return (start[1] + end[1]) * (end[0] - start[0]) / 2
-
-
-def _strip(flow: np.ndarray, piece: Piece) -> tuple[arb, tuple[arb, arb]]:
-    """∫ w du along a piece, and its end: of the end in double, the difference of energies would keep too few digits."""
-    u, w = _balls(piece.start)
-    if isinstance(piece, Segment):
-        end = _balls(piece.end)
-        return _under_line((u, w), end), end
-    a0, a1, b = (arb(float(flow[piece.mode, k])) for k in (layout.A0, layout.A1, layout.B))
-    time = arb(piece.duration)
-    y = u - b / a0
-    y_end, w_end = Slip(arb(1), a1, a0).state(y, w, time)
-    if a1 == 0:  # energy stays, and ∫ w² dt + a₀ ∫ y² dt is it twice over time, ∫ w² dt − a₀ ∫ y² dt = Δ(y w)
-        strip = ((w * w + a0 * y * y) * time + y_end * w_end - y * w) / 2
-    else:
-        strip = (w * w - w_end * w_end + a0 * (y * y - y_end * y_end)) / (2 * a1)
-    return strip, (y_end + b / a0, w_end)
-
-
-def contains(flow: np.ndarray, curves: Iterable[Curve], state: np.ndarray) -> bool:
+def contains(flow: Flow, curves: Iterable[Curve], state: np.ndarray) -> bool:
     """Return whether the region to the right of curves holds a state (2)."""
     u, w = float(state[0]), float(state[1])
     left, total = 0, 0
     for piece in (piece for curve in curves for piece in curve):
-        for part in _rising_parts(flow, piece):
-            first, last = part.start[1], part.end[1]
-            if (first <= w) != (last <= w):
-                entry = 1 if first < last else -1
-                total += entry
-                left += entry if _angle_at(flow, part, w) < u else 0
+        for entry, place in passes(flow, piece, 1, w):
+            total += entry
+            left += entry if place < u else 0
     return left + (total < 0) == 1
 
 
-def _rising_parts(flow: np.ndarray, piece: Piece) -> list[Piece]:
-    """Split a piece into parts on which w only rises or only falls."""
+def passes(flow: Flow, piece: Piece, axis: int, value: float) -> Iterator[tuple[int, float]]:
+    """Yield where u (``axis`` 0) or w (1) passes a value on a piece: 1 if it rises or −1, and the other coordinate."""
+    first, last, other = piece.start[axis], piece.end[axis], 1 - axis
+    entry, once = (1 if first <= value else -1), (first <= value) != (last <= value)
     if isinstance(piece, Segment):
-        return [piece]
-    row = flow[piece.mode]
-    acceleration = np.array([-row[layout.A0], -row[layout.A1], row[layout.B]])
-    return split(flow, piece, sign_changes(flow, piece, acceleration))
+        across, along = last - first, piece.end[other] - piece.start[other]
+        if once:  # the piece may begin or end at infinity
+            yield entry, float(piece.start[other] + (along * (value - first) / across if along else 0.0))
+        return
+    row = np.array([1.0 - axis, float(axis), -value])
+    places = [state_on(flow, piece, time)[other] for time in sign_changes(flow, piece, row)]
+    if once != len(places) % 2:  # one end is there
+        begins = abs(first - value) < abs(last - value)
+        places = [piece.start[other], *places] if begins else [*places, piece.end[other]]
+    for k, place in enumerate(places):
+        yield entry * (-1) ** k, float(place)
 
 
-def _angle_at(flow: np.ndarray, part: Piece, w: float) -> float:
-    """Return the deviation u at which a part, on which the rate only rises or only falls, has the rate w."""
-    if part.start[1] == w:
-        return float(part.start[0])
-    if isinstance(part, Segment):
-        if part.start[0] == part.end[0]:  # it may begin or end at infinity
-            return float(part.start[0])
-        share = (w - part.start[1]) / (part.end[1] - part.start[1])
-        return float(part.start[0] + share * (part.end[0] - part.start[0]))
-    row = math.copysign(1.0, part.start[1] - w) * np.array([0.0, 1.0, -w])
-    found, time = search_planar.crossing(flow, part.mode, np.asarray(part.start), row, False, part.duration)
-    return float(state_on(flow, part, time)[0] if found == layout.Found.CROSSING else part.end[0])
-
-
-def clip(flow: np.ndarray, curve: Curve, window: Window) -> Curve:
+def clip(flow: Flow, curve: Curve, window: Window) -> Curve:
     """Return the closed curve around the part of a region that lies in a window.
 
     ``curve``, with the region on its right, is closed or goes from one infinite w to the other. What lies outside is
@@ -229,7 +217,7 @@ def clip(flow: np.ndarray, curve: Curve, window: Window) -> Curve:
     return clipped
 
 
-def inside(flow: np.ndarray, curves: Iterable[Curve], window: Window) -> tuple[list[Curve], list[Curve]]:
+def inside(flow: Flow, curves: Iterable[Curve], window: Window) -> tuple[list[Curve], list[Curve]]:
     """Return the parts of curves inside a window: the closed curves, and the paths from one edge to another."""
     closed, paths = [], []
     for curve in curves:
@@ -243,13 +231,13 @@ def inside(flow: np.ndarray, curves: Iterable[Curve], window: Window) -> tuple[l
     return closed, paths
 
 
-def _middle(flow: np.ndarray, piece: Piece) -> np.ndarray:
+def _middle(flow: Flow, piece: Piece) -> np.ndarray:
     if isinstance(piece, Segment):
         return np.asarray(0.5 * (piece.start + piece.end))
     return state_on(flow, piece, 0.5 * piece.duration)
 
 
-def _cut(flow: np.ndarray, piece: Piece, window: Window) -> list[Piece]:
+def _cut(flow: Flow, piece: Piece, window: Window) -> list[Piece]:
     """Cut a piece where it crosses the lines through the edges of a window; cuts lie on them to the last bit."""
     lines = [(0, window.left), (0, window.right), (1, window.bottom), (1, window.top)]
     parts: list[Piece]
@@ -259,7 +247,9 @@ def _cut(flow: np.ndarray, piece: Piece, window: Window) -> list[Piece]:
             row = np.array([1.0 - axis, float(axis), -place])
             cuts += [(time, axis, place) for time in sign_changes(flow, piece, row)]
         cuts.sort()
-        parts = split(flow, piece, [time for time, _, _ in cuts])
+        times = np.array([0.0, *(time for time, _, _ in cuts), piece.duration])
+        ends = itertools.pairwise([piece.start, *states_on(flow, piece, times[1:-1]), piece.end])
+        parts = [Arc(piece.mode, *pair, time) for pair, time in zip(ends, np.diff(times).tolist(), strict=True)]
     else:
         piece = _finite(piece, window)
         for axis, place in lines:

@@ -100,10 +100,15 @@ class Grid:
     def of(cls, values: Mapping[str, Any]) -> Self:
         """Make a grid from ``{coordinate: {start, stop, count}}`` twice and ``{coordinate: value}``, as YAML has it.
 
-        Of the two axes, the one that comes first in a state is horizontal, whichever is written first. Raises
-        ``InputError``.
+        A span may also be (start, stop, count). Of the two axes, the one that comes first in a state is horizontal,
+        whichever is written first. Raises ``InputError``.
         """
-        names_and_values("grid", values)
+        values = names_and_values("grid", values)
+        for name, span in values.items():
+            if isinstance(span, tuple | list):
+                if len(span) != 3:
+                    raise InputError(f"axis {name} has {len(span)} numbers; it needs start, stop and count.")
+                values[name] = dict(zip(("start", "stop", "count"), span, strict=True))
         known = [*coordinates(), *values]  # what is no coordinate comes last
         spans = [name for name in dict.fromkeys(known) if isinstance(values.get(name), Mapping)]
         if len(spans) != 2:

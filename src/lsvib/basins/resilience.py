@@ -13,10 +13,14 @@ from typing import Any
 import numpy as np
 
 from lsvib.basins.boundary import AttractsNothing, Basin, basin
-from lsvib.basins.curves import Arc, Part, Piece, Window, sign_changes, state_on
+from lsvib.basins.curves import Arc, Flow, Part, Piece, Window, passes, sign_changes, state_on, states_on
+from lsvib.engine.exact.taylor_form import eta
 from lsvib.engine.kernels import layout
 from lsvib.models.drive import Drive
 from lsvib.models.rigid import rigid_automaton
+from lsvib.numbers import bisected
+
+_SAMPLES = 400  # of an arc under a friction law, between which the energy is taken to have no two extrema
 
 
 @dataclass(frozen=True)
@@ -78,18 +82,9 @@ def largest_tolerated(region: Basin, coordinate: int) -> float:
 
     It is the crossing of the boundary that lies nearest to the origin, where the other coordinate is zero.
     """
-    row, crossings = np.eye(3)[1 - coordinate], [math.inf]
-    for piece in (piece for curve in region.curves for piece in curve):
-        first, last = piece.start[1 - coordinate], piece.end[1 - coordinate]
-        here, there = piece.start[coordinate], piece.end[coordinate]
-        if first == 0:
-            crossings.append(here)
-        if isinstance(piece, Arc):
-            times = sign_changes(region.flow, piece, row)
-            crossings += [state_on(region.flow, piece, time)[coordinate] for time in times]
-        elif min(first, last) < 0 < max(first, last):  # the piece may begin or end at infinity
-            crossings.append(here if here == there else here + first / (first - last) * (there - here))
-    return float(min(map(abs, crossings)))
+    pieces = [piece for curve in region.curves for piece in curve]
+    found = (abs(place) for piece in pieces for _, place in passes(region.flow, piece, 1 - coordinate, 0.0))
+    return min(found, default=math.inf)
 
 
 def least_energy(region: Basin) -> tuple[float, tuple[float, float]]:
@@ -104,13 +99,12 @@ def least_energy(region: Basin) -> tuple[float, tuple[float, float]]:
     return float(best[0]), best[1]
 
 
-def _candidates(flow: np.ndarray, piece: Piece, stiffness: float, inertia: float) -> Iterator[np.ndarray]:
+def _candidates(flow: Flow, piece: Piece, stiffness: float, inertia: float) -> Iterator[np.ndarray]:
     """States on a piece among which the energy is smallest."""
     if isinstance(piece, Arc):
-        a0, a1, b = (float(flow[piece.mode, k]) for k in (layout.A0, layout.A1, layout.B))
         yield from (piece.start, piece.end)
-        for row in ([0.0, 1.0, 0.0], [stiffness - inertia * a0, -inertia * a1, inertia * b]):
-            yield from (state_on(flow, piece, time) for time in sign_changes(flow, piece, np.array(row)))
+        times = sign_changes(flow, piece, np.array([0.0, 1.0, 0.0])) + _stationary(flow, piece, stiffness, inertia)
+        yield from (state_on(flow, piece, time) for time in times)
     elif piece.start[0] == piece.end[0]:  # it may begin or end at infinity
         low, high = sorted((piece.start[1], piece.end[1]))
         yield np.array([piece.start[0], min(max(0.0, low), high)])
@@ -118,3 +112,21 @@ def _candidates(flow: np.ndarray, piece: Piece, stiffness: float, inertia: float
         way, metric = piece.end - piece.start, np.array([stiffness, inertia])
         share = -float((metric * piece.start) @ way) / float((metric * way) @ way)
         yield piece.start + min(max(share, 0.0), 1.0) * way
+
+
+def _stationary(flow: Flow, arc: Arc, stiffness: float, inertia: float) -> list[float]:
+    """Times [s] on an arc at which k u + J w′ = E′ / w changes its sign; of a friction law as seen by samples."""
+    if isinstance(flow, np.ndarray):
+        a0, a1, b = (float(flow[arc.mode, k]) for k in (layout.A0, layout.A1, layout.B))
+        return sign_changes(flow, arc, np.array([stiffness - inertia * a0, -inertia * a1, inertia * b]))
+
+    def rate(times: Any) -> np.ndarray:
+        states = states_on(flow, arc, times)
+        whole, modes = np.column_stack([states, np.ones(len(states))]), np.full(len(states), arc.mode)
+        pushed = flow.push[arc.mode, 1] * eta(flow, states, modes) * (whole @ flow.contact[arc.mode])
+        return np.asarray(stiffness * states[:, 0] + inertia * (whole @ flow.field[arc.mode, 1] + pushed))
+
+    times = np.linspace(0.0, arc.duration, _SAMPLES)
+    sides = rate(times) > 0
+    turns = np.flatnonzero(sides[1:] != sides[:-1])
+    return [bisected(lambda t, k=k: (rate([t])[0] > 0) != sides[k], *times[k : k + 2]) for k in turns]  # type: ignore

@@ -12,6 +12,8 @@ ends a backward slip, which began at θ′ = 0 after a seizure that is traced in
 ``beginning``) where no motion arrives: on Q = 0 from the wrong side.
 """
 
+from dataclasses import replace
+
 from flint import arb
 
 from lsvib.engine.automaton import Automaton, Branch, Guard, Mode, Surface, Transition, assemble, eigenform, oscillator
@@ -19,6 +21,7 @@ from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.engine.kernels.layout import Test
 from lsvib.errors import InputError
 from lsvib.models.drive import Drive
+from lsvib.models.law_modes import modes_of
 from lsvib.models.mechanics import coefficients
 from lsvib.models.names import Event
 from lsvib.models.rigid import SLIPS, MotionMode, rigid_automaton
@@ -71,6 +74,31 @@ def backward_automaton(drive: Drive, touch: arb | None = None) -> Automaton:
         observables={},
         shortest_stay=0.0,
     )
+
+
+def backward_under_law(drive: Drive) -> Automaton:
+    """Return the automaton of a drive under a friction law in reversed time, Ω > 0: the same modes with −x′.
+
+    The state is (u, w). A motion backwards has no branch where it comes to speeds in the Painlevé region, as a seizure
+    may lead there from anywhere.
+    """
+    with many_digits():
+        law = modes_of(drive.exact(), drive.parts)
+        layout = law.layout()
+    modes, transitions = layout["modes"], layout["transitions"]
+    for key, transition in transitions.items():
+        both_ways = {branch.kind for branch in transition.branches} <= {Event.CONTACT_REVERSAL, Event.PASSAGE}
+        goes_on = both_ways and not key.startswith(("faster", "slower"))  # these lead into the band and out of it
+        transitions[key] = transition if goes_on else Transition(())
+    turned = {law.name((d, q, ())): law.name((-d, q, ())) for d, q, _ in law.slips if not law.paradox}
+    for name, mode in modes.items():
+        flow, guards = replace(mode.flow, field=-mode.flow.field, push=-mode.flow.push, settled=None), mode.guards
+        if other := turned.get(name.removesuffix("_slow")):
+            other = f"{other}_slow" if f"{other}_slow" in modes else other
+            transitions[f"stand_{name}"] = Transition((Branch(other, Event.REVERSAL),))
+            guards = tuple(replace(g, transition=f"stand_{name}") if g.surface == "slip_speed" else g for g in guards)
+        modes[name] = replace(mode, flow=flow, guards=guards)
+    return assemble(**layout)
 
 
 def _seizures(q_row, touch: arb) -> dict[str, Transition]:

@@ -10,14 +10,14 @@ import xarray as xr
 
 from lsvib import numbers, words
 from lsvib.basins.boundary import Boundary, known_basin
-from lsvib.basins.curves import Arc
+from lsvib.basins.curves import Arc, state_on
 from lsvib.datasets.attributes import about_drive, flagged, variable, yes_no
 from lsvib.datasets.sweep import known_key
-from lsvib.dynamics.attractor import Attractor, SteadyState
+from lsvib.dynamics.attractor import Attractor, SteadyState, shrinks_areas
 from lsvib.dynamics.continuation import CycleBranch, follow_cycle
 from lsvib.dynamics.cycles import Cycle, cycle_from, random_starts, search, starts
 from lsvib.engine.automaton import Automaton
-from lsvib.engine.kernels import layout
+from lsvib.engine.motion import enter
 from lsvib.errors import EngineError, InputError
 from lsvib.models.drive import IN_WORDS, PART_OF, Drive, described, zero_if_close
 from lsvib.models.model import model_of
@@ -91,7 +91,7 @@ def find_cycles(drive: Drive, automaton: Automaton) -> Cycles:
 
     From starts, on the edges of basins, and at the exact boundary of the basin of steady sliding where that is known.
     """
-    if automaton.contracts and (automaton.tables.flow[:, layout.ALPHA] > 0).any():
+    if shrinks_areas(automaton):
         return Cycles((), (), "There is no cycle: slip makes every area of the phase plane smaller.")
     proved, known = "", None
     if (basin := known_basin(drive)) is not None:
@@ -101,8 +101,8 @@ def find_cycles(drive: Drive, automaton: Automaton) -> Cycles:
         proved = f"Not every motion settles; the boundary of the basin of steady sliding is exact (its kind: {kind})."
         if basin.boundary == Boundary.CYCLE:
             arcs = [piece for piece in basin.curves[0] if isinstance(piece, Arc)]
-            mode = automaton.codes.tolist().index(basin.codes[arcs[0].mode])
-            known = cycle_from(drive, automaton, arcs[0].start, mode, len(arcs), "boundary of the basin")
+            mode, start = enter(automaton, state_on(basin.flow, arcs[0], 0.5 * arcs[0].duration))
+            known = cycle_from(drive, automaton, start, mode, len(arcs), "boundary of the basin")
     model = model_of(drive)
     given = [{"u": u, "w": w} for u, w in starts(drive)] + random_starts(drive)
     if "motor" in drive.parts:  # the starts leave the motor at steady sliding; here all stands

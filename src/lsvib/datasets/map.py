@@ -19,7 +19,7 @@ from lsvib.datasets.io import joined, rows_of, write_dataset
 from lsvib.dynamics.attractor import Attractor, Doubt
 from lsvib.errors import InputError
 from lsvib.files import File
-from lsvib.models.drive import Drive, names_and_values
+from lsvib.models.drive import Drive
 from lsvib.models.model import coordinates
 
 
@@ -32,7 +32,7 @@ def map_attraction(
 ) -> xr.Dataset:
     """Map the region of attraction of a drive as ``drive.attraction(…)``."""
     at_once = numbers.workers(workers)
-    starts = _grid(grid)
+    starts = grid if isinstance(grid, Grid) else Grid.of(grid)
     if (total := starts.x.count * starts.y.count) > MOST_CELLS:
         raise InputError(
             f"grid has {total} cells; the allowed range is up to {MOST_CELLS}, or the tiles of the workflow."
@@ -172,19 +172,6 @@ def text(summary: Mapping[str, Any]) -> Iterator[str]:
     if (area := summary["exact_basin_area"]) is not None:
         yield f"exact area of the basin of steady sliding in the map: {area:.12g} rad2/s"
     yield f"{words.rate(summary['cells_per_second'])} cells per second"
-
-
-def _grid(given: Grid | Mapping[str, Any]) -> Grid:
-    """A grid from one, or from axes as (start, stop, count) or as a mapping with these keys."""
-    if isinstance(given, Grid):
-        return given
-    values = names_and_values("grid", given)
-    for name, span in values.items():
-        if isinstance(span, tuple | list):
-            if len(span) != 3:
-                raise InputError(f"axis {name} has {len(span)} numbers; it needs start, stop and count.")
-            values[name] = dict(zip(("start", "stop", "count"), span, strict=True))
-    return Grid.of(values)
 
 
 def mapper_of(settings: Mapping[str, Any]) -> Mapper:

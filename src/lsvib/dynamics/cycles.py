@@ -134,11 +134,11 @@ class Cycle:
 
     def to_json(self) -> dict[str, Any]:
         """Return what :class:`Cycle` says, as plain numbers and names."""
-        taken = self.work
+        taken, known = self.work, (name for name in ("attracting", "repelling", "neutral") if getattr(self, name))
         return {
             "label": self.label.name.lower(),
             "attracting": self.attracting,
-            "stability": self._stability(),
+            "stability": next(known, "not known"),  # no multipliers, as infinitely many events have no derivative
             "period": self.period,
             "amplitude": self.amplitude,
             "multipliers": self.to_json_multipliers(),
@@ -151,10 +151,6 @@ class Cycle:
             "means": self.means,
             "work": asdict(taken) | {"balance": taken.balance, "efficiency": _finite(taken.efficiency)},
         }
-
-    def _stability(self) -> str:
-        found = (name for name in ("attracting", "repelling", "neutral") if getattr(self, name))
-        return next(found, "not known")  # without multipliers, as infinitely many events have no derivative
 
     def _events(self) -> list[dict[str, Any]]:
         """Events of a period without touches: time [s], and the impulses [N s, N m s] of those that are seizures."""

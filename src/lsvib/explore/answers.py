@@ -3,7 +3,6 @@
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
-from itertools import pairwise
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from threading import Lock
@@ -18,7 +17,7 @@ from lsvib.basins.mapper import Mapper
 from lsvib.basins.mapping import mapper
 from lsvib.datasets.io import write_dataset
 from lsvib.datasets.motion import Simulation
-from lsvib.datasets.phase_plane import lines, sample
+from lsvib.datasets.phase_plane import sample
 from lsvib.datasets.spans import stepped
 from lsvib.datasets.sweep import START, sweep
 from lsvib.dynamics.attractor import Attractor, SteadyState, steady_state
@@ -106,13 +105,6 @@ def window_around(drive: Drive, shown: Followed) -> Window:
     return Window(*edges)
 
 
-def contact_line(drive: Drive, window: Window) -> tuple[np.ndarray, np.ndarray]:
-    """Return u (2) [rad] and w (2) [rad/s] of the ends of the line N = 0 (Q = 0, eq. 8.17) across a window."""
-    found = lines([drive])
-    rates = np.array([window.bottom, window.top])
-    return found["contact_line_angle"][1][0] + found["contact_line_slope"][1][0] * rates, rates
-
-
 def at_once(drive: Drive) -> bool:
     """Return whether the map takes no longer than a drawing: of two states, under constant friction."""
     return drive.rigid and not friction.depends_on_speed(drive)
@@ -150,12 +142,6 @@ def labels(drive: Drive, window: Window, cells: tuple[int, int]) -> np.ndarray:
     made, turn = _mapper(drive)
     with turn:
         return made.cells(Grid(u, w), quantities=("label",))["label"]
-
-
-def strips(window: Window, count: int) -> list[Window]:
-    """Return a window cut into strips, the lowest first."""
-    edges = np.linspace(window.bottom, window.top, count + 1).tolist()
-    return [Window(window.left, window.right, *pair) for pair in pairwise(edges)]
 
 
 def rgba(found: np.ndarray) -> np.ndarray:

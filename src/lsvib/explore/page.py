@@ -6,6 +6,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from functools import partial
 from html import escape
+from itertools import pairwise
 from time import perf_counter
 from typing import Any
 
@@ -167,7 +168,6 @@ class Page:
         elif (view.drive, view.window) != (self.view.drive, self.view.window):
             found = np.full(answers.cells_of(view.drive)[::-1], -2)
         self.view, self.shown = view, shown
-        self.plots.set_window(window)
         if found is not None:
             self.plots.draw_map(found, window)
         self.plots.draw_motion(view.drive, shown, window)
@@ -205,8 +205,10 @@ class Page:
         try:
             if not answers.laborious(view.drive):  # each point of a map would take a second
                 cells = answers.cells_of(view.drive)
-                strips = [window] if answers.at_once(view.drive) else answers.strips(window, cells[1])
-                size = cells[0], cells[1] // len(strips)
+                count = 1 if answers.at_once(view.drive) else cells[1]  # of strips, the lowest first
+                edges = pairwise(np.linspace(window.bottom, window.top, count + 1).tolist())
+                strips = [Window(window.left, window.right, *pair) for pair in edges]
+                size = cells[0], cells[1] // count
                 labels = np.concatenate([await found(answers.labels, view.drive, strip, size) for strip in strips])
                 self._shares = answers.shares(labels)
                 draw(self.plots.draw_map, labels, window)

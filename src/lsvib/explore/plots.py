@@ -24,6 +24,7 @@ from bokeh.models import (
 from bokeh.plotting import figure
 
 from lsvib.basins.curves import Window
+from lsvib.datasets.phase_plane import lines
 from lsvib.dynamics.attractor import Attractor
 from lsvib.explore import answers
 from lsvib.explore.answers import Followed
@@ -142,11 +143,6 @@ class Plots:
         self.friction.x_range.update(start=0.0, end=float(speeds[-1]))
         self.friction.y_range.update(start=0.0, end=1.1 * float(coefficients.max()) or 1.0)
 
-    def set_window(self, window: Window) -> None:
-        """Let the phase plane show a window."""
-        self.plane.x_range.update(start=window.left, end=window.right)
-        self.plane.y_range.update(start=window.bottom, end=window.top)
-
     def _fill(self, source: str, **columns: Sequence[Any]) -> None:
         self.sources[source].data = {**_LOOKS[source], **columns}
 
@@ -156,13 +152,16 @@ class Plots:
         self._fill("map", image=[answers.rgba(labels)], x=[window.left], y=[window.bottom], **sides)
 
     def draw_motion(self, drive: Drive, shown: Followed, window: Window) -> None:
-        """Show a motion with its force, its limit cycle and the lines N = 0 and θ′ = 0."""
-        u, w = answers.contact_line(drive, window)
+        """Show a motion in a window with its force, its limit cycle and the lines N = 0 and θ′ = 0."""
+        self.plane.x_range.update(start=window.left, end=window.right)
+        self.plane.y_range.update(start=window.bottom, end=window.top)
+        line, rates = lines([drive]), np.array([window.bottom, window.top])
+        angles = line["contact_line_angle"][1][0] + line["contact_line_slope"][1][0] * rates  # N = 0
         closed = np.concatenate([shown.cycle, shown.cycle[:1]])
         self._fill(
             "lines",
-            x=[u, np.array([window.left, window.right]), closed[:, 0], shown.u],
-            y=[w, np.full(2, -drive.input_speed), closed[:, 1], shown.w],
+            x=[angles, np.array([window.left, window.right]), closed[:, 0], shown.u],
+            y=[rates, np.full(2, -drive.input_speed), closed[:, 1], shown.w],
         )
         self._fill("points", x=[0.0, float(shown.u[0])], y=[0.0, float(shown.w[0])])
         self._fill("history", x=shown.time, y=shown.force)

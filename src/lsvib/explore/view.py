@@ -46,9 +46,7 @@ class View:
         """Check everything that a link may have got wrong."""
         self.scene()
         if self.window is not None:
-            left, right, bottom, top = self.window
-            if not (left < right and bottom < top):
-                raise InputError("the window of the phase plane needs left < right and bottom < top.")
+            Window.of(self.window)
         if getattr(self.drive, self.over if self.over in Drive.model_fields else "", None) is None:
             raise InputError(f"over = {numbers.shown(self.over)} is not a parameter of this drive.")
         if not self.low < self.high:

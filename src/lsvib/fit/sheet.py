@@ -4,16 +4,18 @@ import math
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
+from pydantic import BeforeValidator, Field, ValidationError
 
 from lsvib.assess import fields
+from lsvib.assess import sheet as data_sheet
 from lsvib.assess.fields import NotQuantity, Spread
 from lsvib.assess.quantities import GRAVITY, flank_coefficient, square_coefficient, thread_geometry
-from lsvib.assess.sheet import Thread
+from lsvib.assess.sheet import Part, Thread
 from lsvib.errors import InputError
 from lsvib.fit.law import Fit, Measured, Solution, fitted, steady_torque
 from lsvib.fit.records import Record, look
@@ -79,11 +81,7 @@ def _unit(*units: str) -> Callable[[Any], _Unit]:
     return read
 
 
-class _Entries(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid", arbitrary_types_allowed=True)
-
-
-class Column(_Entries):
+class Column(Part):
     """A column of a table, from 1; its numbers times ``factor`` are in ``unit``."""
 
     column: Annotated[int, BeforeValidator(_column)]
@@ -108,12 +106,8 @@ class TimeColumn(Column):
     unit: Annotated[_Unit, BeforeValidator(_unit("s"))]
 
 
-class Load(_Entries):
+class Load(data_sheet.Load):
     """What pulls along the axis: a force against outward travel, and the weight of a mass on an axis that is tilted."""
-
-    mass: fields.Mass | None = None
-    force: fields.Force | None = None
-    orientation: fields.Tilt | None = None
 
     def axial(self) -> float:
         """Return the axial load against outward travel [N]."""
@@ -121,7 +115,7 @@ class Load(_Entries):
         return float(force + mass * GRAVITY * math.sin(tilt))
 
 
-class Measurements(_Entries):
+class Measurements(Part):
     """Tables of one load: ``files`` beside the sheet, a pattern; by default several files are a point each.
 
     With a column of ``time``, or the period of ``sampling``, they are records over time, in which jerks are looked for;
@@ -140,13 +134,13 @@ class Measurements(_Entries):
     load: Load | None = None
 
 
-class Turning(_Entries):
+class Turning(Part):
     """What turns: the inertia, by which jerks tell the damping."""
 
     inertia: fields.Inertia
 
 
-class KnownFriction(_Entries):
+class KnownFriction(Part):
     """What is known of the friction of the flanks; the rest is fitted."""
 
     coefficient: fields.Coefficient | None = None
@@ -156,21 +150,21 @@ class KnownFriction(_Entries):
     stribeck_exponent: Literal[1, 2] | None = None
 
 
-class Nut(_Entries):
+class Nut(Part):
     """A nut of two halves that are pressed apart, as in a data sheet."""
 
     preload: fields.Rubbing
     load_share: fields.Share | None = None
 
 
-class Bearing(_Entries):
+class Bearing(Part):
     """What is known of the drag of bearing and slide, as torques of the screw; the rest is fitted."""
 
     coulomb: fields.Drag | None = None
     viscous: fields.TurningDamping | None = None
 
 
-class MeasuredSheet(_Entries):
+class MeasuredSheet(Part):
     """A whole sheet. ``offset``: the zero error of the torque, where it is known."""
 
     name: str = Field(default="measured screw", min_length=1, max_length=200)
@@ -203,11 +197,9 @@ class MeasuredSheet(_Entries):
 
     def spreads(self) -> dict[str, Spread]:
         """The quantities that are given, by name."""
-        parts = {key: getattr(self, key) for key in ("thread", "load", "friction", "bearing", "nut", "screw")}
-        for k, block in enumerate(self.measurements):
-            parts |= {f"measurements.{k}": block, f"measurements.{k}.load": block.load}
-        entries = [(f"{part}.{key}", entry) for part, whole_part in parts.items() for key, entry in whole_part or ()]
-        return {path: entry for path, entry in (*entries, ("offset", self.offset)) if isinstance(entry, Spread)}
+        blocks = (block.entries(f"measurements.{k}.") for k, block in enumerate(self.measurements))
+        entries = chain(self.entries(), *blocks, [("offset", self.offset)])
+        return {path: entry for path, entry in entries if isinstance(entry, Spread)}
 
 
 @dataclass(frozen=True)

@@ -38,15 +38,15 @@ def depends_on_speed(d: Any) -> bool:
     return any(sign(getattr(d, name)) for name in OF_SPEED)
 
 
-def refusal(d: Any, rest: bool = True) -> str:
-    """Return for which friction alone a closed form holds, where that of a drive is another; else nothing.
+def refusal(d: Any, rest: bool = True, law: bool = False) -> str:
+    """Return for which friction alone an answer holds, where that of a drive is another; else nothing.
 
-    ``rest``: whether the closed form is also about rest, and so about static friction.
+    ``rest``: whether it is also about rest, and so about static friction; ``law``: whether it holds under a law.
     """
-    if depends_on_speed(d):
+    if not law and depends_on_speed(d):
         return "holds for friction that does not depend on speed"
     static = d.static_friction_coefficient
-    if rest and sign(static) and sign(static - d.friction_coefficient):
+    if rest and sign(static) and sign(static - d.friction_coefficient - d.stribeck_rise):
         return "holds for static friction that is not above that of sliding"
     return ""
 
