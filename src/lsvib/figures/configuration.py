@@ -71,11 +71,6 @@ def figures_with(part: str) -> tuple[str, ...]:
     return tuple(name for name, (_, text) in _modules().items() if f"\ndef {part}(" in text)
 
 
-def figures_of_all() -> tuple[str, ...]:
-    """Return the names of the figures that a bare ``snakemake`` builds: in a checkout, some of the benchmarks too."""
-    return (*default_figures(), *(_IN_ALL if find_spec("benchmarks") else ()))
-
-
 def accuracy_figures() -> tuple[str, ...]:
     """Return the names of the figures of the target ``accuracy``."""
     return _BENCHMARKS
@@ -182,8 +177,12 @@ def _merged(below: Any, above: Any) -> Any:
 
 
 def selected(configuration: Mapping[str, Any], key: str = "figures") -> tuple[str, ...]:
-    """Return the names of the figures to build; ``key``: that of a list in the configuration, which may be absent."""
-    return tuple(configuration.get(key) or (figures_of_all() if key == "figures" else accuracy_figures()))
+    """Return the names of the figures to build; ``key``: that of a list in the configuration, which may be absent.
+
+    A bare ``snakemake`` builds those of the package, and in a checkout some of the benchmarks too.
+    """
+    of_all = (*default_figures(), *(_IN_ALL if find_spec("benchmarks") else ()))
+    return tuple(configuration.get(key) or (of_all if key == "figures" else accuracy_figures()))
 
 
 def complete_settings(figure: str, section: Mapping[str, Any]) -> dict[str, Any]:

@@ -144,8 +144,8 @@ def _even_speeds(drive: Drive, sense: int, dampings: np.ndarray) -> np.ndarray:
     from lsvib.models.many import ManyDrives
 
     def evenly(speeds: np.ndarray) -> np.ndarray:
-        swept = {"support_damping": dampings, "input_speed": sense * speeds}
-        found = all_endings(ManyDrives({**dict(drive), **swept}), None).attractor
+        drives = ManyDrives({**dict(drive), "support_damping": dampings, "input_speed": sense * speeds})
+        found = all_endings(drives, None).attractor
         if Attractor.UNRESOLVED in found:
             raise InputError("measured_drive: it is not known of a motion from rest what it ends in.")
         return found == Attractor.STEADY_SLIDING

@@ -7,7 +7,7 @@ in each of them, and the end of a piece is an event like any other.
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, ValidationError
@@ -16,9 +16,6 @@ from lsvib.errors import InputError
 from lsvib.models.drive import Number, sentence_about
 from lsvib.models.names import Event
 from lsvib.numbers import shown
-
-if TYPE_CHECKING:  # a command can be read and refused without the engine
-    from lsvib.engine.automaton import Transition
 
 _MOST = 1000  # points; each takes some ten milliseconds
 
@@ -98,7 +95,8 @@ def one_after_the_other(pieces: Sequence[tuple[Mapping[str, Any], float]]) -> di
         whole["surfaces"] |= {f"{name} {k}": surface for name, surface in layout["surfaces"].items()}
         for name, transition in layout["transitions"].items():
             if k == 0 or name != "entry":
-                whole["transitions"][f"{name} {k}"] = _in_piece(transition, k)
+                branches = tuple(replace(branch, mode=f"{branch.mode} {k}") for branch in transition.branches)
+                whole["transitions"][f"{name} {k}"] = replace(transition, branches=branches)
         if ends := duration < np.inf:
             whole["surfaces"][f"end {k}"] = Surface((*(0 for _ in range(n - 1)), -1, duration), n - 1)
         for name, mode in layout["modes"].items():
@@ -109,7 +107,3 @@ def one_after_the_other(pieces: Sequence[tuple[Mapping[str, Any], float]]) -> di
                 guards.append(Guard(f"end {k}", 1, f"end of {name} {k}"))
             whole["modes"][f"{name} {k}"] = replace(mode, guards=tuple(guards))
     return whole
-
-
-def _in_piece(transition: "Transition", k: int) -> "Transition":
-    return replace(transition, branches=tuple(replace(b, mode=f"{b.mode} {k}") for b in transition.branches))

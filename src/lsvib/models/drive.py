@@ -26,11 +26,6 @@ from lsvib.errors import InputError
 from lsvib.models import friction, pairings
 from lsvib.numbers import NotNumber, number, shown, whole
 
-
-def _quantity_of(value: Any) -> float:
-    return number(value) + 0.0  # -0.0 and 0.0 are one drive
-
-
 P = ParamSpec("P")
 T = TypeVar("T")
 _forget: list[Callable[[], None]] = []
@@ -116,7 +111,7 @@ DRY = ("slide_friction", "bearing_friction", "collar_friction")  # against the g
 _UNLESS_ZERO = (*friction.NAMES, *DRY, "collar_radius", "coupling_damping")
 
 Number = Annotated[float, BeforeValidator(number)]
-Value = Annotated[float, BeforeValidator(_quantity_of)]
+Value = Annotated[float, BeforeValidator(lambda value: number(value) + 0.0)]  # -0.0 and 0.0 are one drive
 Whole = Annotated[int, BeforeValidator(whole)]
 
 

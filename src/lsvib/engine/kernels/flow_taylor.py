@@ -2,8 +2,8 @@
 
 The field of a :class:`lsvib.engine.kernels.layout.TaylorFlow` is made of sums, products, one quotient and one
 exponential, so the coefficients of its series follow from each other by short recurrences (Jorba and Zou 2005). A step
-is so long that the first term left out is a sixteenth of a rounding in each coordinate; with some twenty terms that is
-a sixth of the radius of convergence. On the step the motion is the polynomial, and a guard, being affine, is a
+is so long that the first term left out is 1/32 of a rounding in each coordinate; with some twenty terms that is a
+sixth of the radius of convergence. On the step the motion is the polynomial, and a guard, being affine, is a
 polynomial too (:mod:`lsvib.engine.kernels.search_taylor`).
 
 A constant coefficient is a case like any other, and so is a mode that does not slip: it has no piece of a law.
@@ -21,7 +21,7 @@ from lsvib.engine.kernels.layout import CONSTANT, EXPONENT, FADE, FROM, LINEAR, 
 _ORDERS = np.arange(ORDER + 1.0)
 _INVERSE = np.concatenate([[0.0], 1 / _ORDERS[1:]])  # a product takes less than a quotient
 _ONE, _TWO = np.uint64(1), np.uint64(2)
-TAIL = math.log(0.0625 * EPS)  # of the first term of a series that is left out, over the size of a coordinate
+TAIL = math.log(EPS / 32)  # of the first term of a series that is left out, over the size of a coordinate
 NOTHING = 45.0  # (fade σ)^exponent of a decay that is below the rounding of a coefficient of friction
 # Rows of series beside those of the state.
 SIGMA, POWER, DECAY, MU, ETA, CONTACT, STEEP, SLOPE, REST, RATE, MATRIX = range(11)
