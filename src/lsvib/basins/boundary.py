@@ -9,6 +9,7 @@ motion that touches Q = 0, at a point T.
 import math
 from dataclasses import dataclass, field
 from enum import IntEnum
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -54,13 +55,18 @@ class Basin:
     """The basin of steady sliding of ``drive``.
 
     ``boundary`` says what bounds it; ``curves`` are the boundary, with the basin on their right, each closed or from
-    infinity to infinity; ``flow`` is the flow table of the drive's automaton, to which the arcs refer.
+    infinity to infinity; under a friction law it is followed backwards, the basin on its left.
     """
 
     drive: Drive
     boundary: Boundary
     curves: tuple[Curve, ...] = field(repr=False)
-    flow: Flow = field(repr=False)
+
+    @cached_property
+    def flow(self) -> Flow:
+        """The flow table to which the arcs refer: that of the drive's automaton, backwards in time under a law."""
+        law = friction.depends_on_speed(self.drive)
+        return (backward_under_law(self.drive) if law else rigid_automaton(self.drive)).tables.flow
 
     def contains(self, state: ArrayLike) -> bool:
         """Whether the motion from ``state`` (u [rad], w [rad/s]) settles; on the boundary itself either answer."""
@@ -133,7 +139,7 @@ def basin(drive: Drive) -> Basin:
         raise AttractsNothing(words, neutral=damping == 0 < gamma)
     find = _under_law if law else _in_paradox if c.paradox else _continuous
     boundary, curves = find(drive, c)
-    return Basin(drive, boundary, tuple(curves), rigid_automaton(drive).tables.flow)
+    return Basin(drive, boundary, tuple(curves))
 
 
 def known_basin(drive: Drive) -> Basin | None:
@@ -277,10 +283,13 @@ def _wind_up(drive: Drive, back: Automaton, start: NDArray[np.float64], mode: in
         state, mode = trace.end_state, trace.end_mode
         found = steady_state(back, state, mode=mode, max_events=3000 if law else 1)
         # An event that recurs at once, within a small part of a time scale of slip, is not a turn, which has some six.
-        if found.orbit is not None and found.residual < 1e-9 and found.period > 1e-3 * found.returns * scale:
+        # Under a law what a turn gains beside a cycle has to be more than the rounding of the motions.
+        gain = abs(1 - abs(found.multiplier)) * np.abs(found.state / swing(drive)).max()
+        real = found.residual < 1e-9 and found.period > 1e-3 * found.returns * scale and not (law and gain < 1e-12)
+        if found.orbit is not None and real:
             once = found.orbit.time.size // found.returns
             turn = follow(back, found.orbit.start_state, math.inf, mode=found.orbit.start_mode, max_events=once)
-            return _forward_arcs(turn, drive)
+            return _traced_arcs(turn) if law else _forward_arcs(turn, drive)
         used, chunk = used + chunk, 2 * chunk
     if not chunk and np.abs(state).max() > 1e-4 * far:  # what divides the modes is lost in rounding
         return []
@@ -305,12 +314,17 @@ def _traced(back: Automaton, state: NDArray[np.float64], mode: int, events: int)
 
 def _forward_arcs(trace: Motion, drive: Drive) -> list[Arc]:
     """Return the arcs of a motion backwards as arcs forward in time, the earliest first; none has zero duration."""
-    codes, turned = trace.automaton.codes, np.array([1.0, 1.0 if friction.depends_on_speed(drive) else -1.0])
+    codes, turned = trace.automaton.codes, np.array([1.0, -1.0])
     return [
-        Arc(_row_of(rigid_automaton(drive), codes[mode]), end * turned, start * turned, float(duration))
-        for mode, start, end, duration in zip(*trace.arcs(), strict=True)
-        if duration > 0
-    ][::-1]
+        Arc(_row_of(rigid_automaton(drive), codes[arc.mode]), arc.end * turned, arc.start * turned, arc.duration)
+        for arc in _traced_arcs(trace)[::-1]
+    ]
+
+
+def _traced_arcs(trace: Motion) -> list[Arc]:
+    """Return the arcs of a motion, none of zero duration."""
+    arcs = zip(*trace.arcs(), strict=True)
+    return [Arc(int(mode), start, end, float(time)) for mode, start, end, time in arcs if time > 0]
 
 
 def _row_of(automaton: Automaton, mode: int) -> int:
@@ -330,4 +344,4 @@ def _mirrored(found: Basin, drive: Drive) -> Basin:
         return Arc(_row_of(automaton, code), -piece.start, -piece.end, piece.duration)
 
     curves = tuple([turned(piece) for piece in curve] for curve in found.curves)
-    return Basin(drive, found.boundary, curves, automaton.tables.flow)
+    return Basin(drive, found.boundary, curves)

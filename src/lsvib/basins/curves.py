@@ -3,7 +3,8 @@ r"""Regions of the phase plane bounded by arcs of a flow and straight segments: 
 A curve is a list of pieces, each beginning where the one before ends; the region that it bounds lies on its *right*: a
 motion turns clockwise in the phase plane. The area is then ∮ w du (docs/basin.md). Along a line w = const, from u = −∞
 on, the region is entered where a curve rises and left where one falls; if it is left once more than it is entered, it
-holds u = −∞. The flow may be that of oscillators or that under a friction law: the engine alone tells them apart.
+holds u = −∞. The flow is that of oscillators or, under a friction law, the series of −x′: a motion along a cycle that
+repels keeps its digits backwards only. Such a curve is closed and has its region on the left.
 """
 
 import itertools
@@ -146,7 +147,7 @@ def area(flow: Flow, curves: Iterable[Curve]) -> float:
 
     Neighbouring pieces meet to rounding; a straight line closes each gap, so that it counts for no more than it holds.
     """
-    return math.fsum(strip for curve in curves for strip in _strips(flow, curve))
+    return abs(math.fsum(strip for curve in curves for strip in _strips(flow, curve)))
 
 
 def _strips(flow: Flow, curve: Curve) -> Iterator[float]:
@@ -161,9 +162,10 @@ def _strips(flow: Flow, curve: Curve) -> Iterator[float]:
         end = piece.end
         if isinstance(piece, Segment):
             yield under_line(piece.start, end)
-        else:  # du = w dt; a stiff arc that was followed backwards does not quite lead to its end
+        else:  # |du| = w dt; a stiff arc that was followed backwards does not quite lead to its end
             moving, end = _watching(flow, _NOTHING), state_on(flow, piece, piece.duration)
-            yield float(quadratic_integrals(moving, piece.mode, piece.start, piece.duration, form)[0])
+            strip = float(quadratic_integrals(moving, piece.mode, piece.start, piece.duration, form)[0])
+            yield -strip if isinstance(flow, TaylorFlow) else strip
         yield under_line(end, following.start)
 
 
@@ -175,25 +177,24 @@ def contains(flow: Flow, curves: Iterable[Curve], state: np.ndarray) -> bool:
         for entry, place in passes(flow, piece, 1, w):
             total += entry
             left += entry if place < u else 0
-    return left + (total < 0) == 1
+    return abs(left + (total < 0)) == 1
 
 
 def passes(flow: Flow, piece: Piece, axis: int, value: float) -> Iterator[tuple[int, float]]:
     """Yield where u (``axis`` 0) or w (1) passes a value on a piece: 1 if it rises or −1, and the other coordinate."""
-    first, last, other = piece.start[axis], piece.end[axis], 1 - axis
-    entry, once = (1 if first <= value else -1), (first <= value) != (last <= value)
+    ends, other = [bool(piece.start[axis] > value), bool(piece.end[axis] > value)], 1 - axis
     if isinstance(piece, Segment):
-        across, along = last - first, piece.end[other] - piece.start[other]
-        if once:  # the piece may begin or end at infinity
-            yield entry, float(piece.start[other] + (along * (value - first) / across if along else 0.0))
+        across, along = piece.end[axis] - piece.start[axis], piece.end[other] - piece.start[other]
+        if ends[0] != ends[1]:  # the piece may begin or end at infinity
+            share = (value - piece.start[axis]) / across if along else 0.0
+            yield (1 if ends[1] else -1), float(piece.start[other] + along * share)
         return
     row = np.array([1.0 - axis, float(axis), -value])
-    places = [state_on(flow, piece, time)[other] for time in sign_changes(flow, piece, row)]
-    if once != len(places) % 2:  # one end is there
-        begins = abs(first - value) < abs(last - value)
-        places = [piece.start[other], *places] if begins else [*places, piece.end[other]]
-    for k, place in enumerate(places):
-        yield entry * (-1) ** k, float(place)
+    times = np.array([0.0, *sign_changes(flow, piece, row), piece.duration])
+    between = (states_on(flow, piece, 0.5 * (times[1:] + times[:-1]))[:, axis] > value).tolist()
+    for time, (before, after) in zip(times, itertools.pairwise([ends[0], *between, ends[1]]), strict=True):
+        if before != after:  # at an end, if that lies on the value
+            yield (1 if after else -1), float(state_on(flow, piece, time)[other])
 
 
 def clip(flow: Flow, curve: Curve, window: Window) -> Curve:

@@ -124,7 +124,7 @@ def _stationary(flow: Flow, arc: Arc, stiffness: float, inertia: float) -> list[
         states = states_on(flow, arc, times)
         whole, modes = np.column_stack([states, np.ones(len(states))]), np.full(len(states), arc.mode)
         pushed = flow.push[arc.mode, 1] * eta(flow, states, modes) * (whole @ flow.contact[arc.mode])
-        return np.asarray(stiffness * states[:, 0] + inertia * (whole @ flow.field[arc.mode, 1] + pushed))
+        return np.asarray(stiffness * states[:, 0] - inertia * (whole @ flow.field[arc.mode, 1] + pushed))  # of −x′
 
     times = np.linspace(0.0, arc.duration, _SAMPLES)
     sides = rate(times) > 0

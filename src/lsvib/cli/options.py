@@ -119,10 +119,6 @@ def several(read: Callable[[str], Any], help: str, **more: Any) -> Parameter:
     return Parameter(converter=convert, n_tokens=1, accepts_keys=False, negative="", help=help, **more)
 
 
-def _axis(text: str) -> Any:
-    return _steps(text) if ":" in text else _coordinate(text)
-
-
 Whole = Annotated[int, one(_whole)]
 Workers = Annotated[int, one(_whole, "Number of threads; it changes no result.")]
 Start = Annotated[
@@ -137,7 +133,11 @@ Window = Annotated[
 ]
 GridOfStarts = Annotated[
     list[Steps | Coordinate],
-    several(_axis, "Two axes KEY=START:STOP:COUNT; KEY=VALUE fixes another.", consume_multiple=True),
+    several(
+        lambda text: _steps(text) if ":" in text else _coordinate(text),
+        "Two axes KEY=START:STOP:COUNT; KEY=VALUE fixes another.",
+        consume_multiple=True,
+    ),
 ]
 Changes = Annotated[
     list[Pair] | None, several(_pair, "KEY=VALUE: change a parameter of the drive; repeatable.", name="--set")

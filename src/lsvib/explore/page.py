@@ -179,7 +179,10 @@ class Page:
     def _settle(self) -> None:
         """The hand rests: say in words and links what is shown, and begin what takes longer."""
         self._settling = None
-        self._say_links()
+        query = escape(self.view.query(), quote=True)
+        files = (("scene.yaml", "scene as YAML"), ("motion.nc", "motion as netCDF"))
+        links = [f'<a href="export/{name}?{query}" download="{name}">{text}</a>' for name, text in files]
+        self._say(self._links, " &middot; ".join([f'<a href="?{query}">link to this view</a>', *links]))
         self._shares = {}
         self._say_words()
         self.document.add_next_tick_callback(self._find_out)
@@ -269,12 +272,6 @@ class Page:
             for kind in self._shares
         ]
         self._say(self._legend, "&emsp;".join(["Regions of attraction:", *patches]) if patches else "")
-
-    def _say_links(self) -> None:
-        query = escape(self.view.query(), quote=True)
-        files = (("scene.yaml", "scene as YAML"), ("motion.nc", "motion as netCDF"))
-        links = [f'<a href="export/{name}?{query}" download="{name}">{text}</a>' for name, text in files]
-        self._say(self._links, " &middot; ".join([f'<a href="?{query}">link to this view</a>', *links]))
 
     @staticmethod
     def _say(place: Div, text: str) -> None:
