@@ -30,7 +30,7 @@ from lsvib.models.drive import Drive
 from lsvib.models.mechanics import Coefficients, coefficients
 from lsvib.models.rigid import MotionMode, rigid_automaton
 
-_ATTRACTS_NOTHING = "steady sliding attracts nothing in this drive"
+_NOTHING = "steady sliding attracts nothing in this drive"
 
 
 class AttractsNothing(InputError):
@@ -135,8 +135,7 @@ def basin(drive: Drive) -> Basin:
     law = friction.depends_on_speed(drive)
     damping, gamma = c.damping[c.steady_law], c.gamma[c.steady_law]
     if not law and (damping <= 0 or gamma <= 0):
-        words = f"{_ATTRACTS_NOTHING}: its effective damping or inertia is not positive."
-        raise AttractsNothing(words, neutral=damping == 0 < gamma)
+        raise AttractsNothing(f"{_NOTHING}: its effective damping or inertia is not positive.", damping == 0 < gamma)
     find = _under_law if law else _in_paradox if c.paradox else _continuous
     boundary, curves = find(drive, c)
     return Basin(drive, boundary, tuple(curves))
@@ -158,7 +157,7 @@ def _under_law(drive: Drive, c: Coefficients) -> tuple[Boundary, list[Curve]]:
     flow: Any = rigid_automaton(drive).tables.flow
     mode = int(np.argmax(flow.settled_level))
     if not (level := float(flow.settled_level[mode])) > 0:
-        raise AttractsNothing(f"{_ATTRACTS_NOTHING}: what disturbs it grows.", neutral=False)
+        raise AttractsNothing(f"{_NOTHING}: what disturbs it grows.", neutral=False)
     start = 0.5 * math.sqrt(level / flow.settled_form[mode, 0, 0])
     arcs = _wind_up(drive, backward_under_law(drive), np.array([start, 0.0]), mode)
     return (Boundary.CYCLE, [[*arcs]]) if arcs else (Boundary.NONE, [])

@@ -177,11 +177,8 @@ def _merged(below: Any, above: Any) -> Any:
 
 
 def selected(configuration: Mapping[str, Any], key: str = "figures") -> tuple[str, ...]:
-    """Return the names of the figures to build; ``key``: that of a list in the configuration, which may be absent.
-
-    A bare ``snakemake`` builds those of the package, and in a checkout some of the benchmarks too.
-    """
-    of_all = (*default_figures(), *(_IN_ALL if find_spec("benchmarks") else ()))
+    """Return the names of the figures to build; ``key``: that of a list in the configuration, which may be absent."""
+    of_all = (*default_figures(), *(_IN_ALL if find_spec("benchmarks") else ()))  # in a checkout some benchmarks too
     return tuple(configuration.get(key) or (of_all if key == "figures" else accuracy_figures()))
 
 

@@ -40,7 +40,10 @@ class Scene(BaseModel):
     physics: tuple[str, ...] | None = None
     resume: Resume = "contact_sign"
     start: Annotated[dict[str, Number], BeforeValidator(partial(names_and_values, "start"))]
-    command: Annotated[Command | None, BeforeValidator(lambda given: _command(given))] = None
+    command: Annotated[
+        Command | None,
+        BeforeValidator(lambda x: x if isinstance(x, Command | None) else Command(**names_and_values("command", x))),
+    ] = None
     duration: Number = Field(gt=0, le=1e9)
     samples: Whole = Field(default=1001, ge=2, le=100_000_000)
     outputs: tuple[str, ...] = ("normal_force", "coupling_torque")
@@ -91,11 +94,6 @@ class Scene(BaseModel):
     def of(cls, values: Mapping[str, Any]) -> Self:
         """Make a scene from names and values; raises ``InputError`` in one sentence."""
         return cls(**names_and_values("scene", values))
-
-
-def _command(given: Any) -> Command | None:
-    made = given is None or isinstance(given, Command)
-    return given if made else Command(**names_and_values("command", given))
 
 
 def read_yaml(path: str | Path) -> dict[str, Any]:

@@ -108,10 +108,6 @@ class StableSet:
         return f"steady sliding is not {adverb} stable without {name}, but with any above zero, however small."
 
 
-def _leading(values: ParameterValues, t: Any, sense: int) -> Any:
-    return LinearParts.of(values, 1, t).level().stiff().polynomial()[0]
-
-
 def _polynomial(values: ParameterValues, law: int, t: Any) -> Polynomial:
     return LinearParts.of(values, law, t).polynomial()
 
@@ -363,7 +359,8 @@ def places(drive: Drive, name: str, unknown: str) -> list[Place] | None:
     if name == "flutter":
         wanted = {law: _margins(drive, law, neutral, False)[-1] for law in (1, -1)}
     elif name == "kinematic_constraint":
-        wanted = {0: RootCondition(model_of(drive).constraint, _leading)}
+        leading = lambda values, t, sense: LinearParts.of(values, 1, t).level().stiff().polynomial()[0]  # noqa: E731
+        wanted = {0: RootCondition(model_of(drive).constraint, leading)}
     else:
         wanted = {0: RootCondition(_DAMPING, _damping)}
     roots = [(line, law, c, line.roots_with_friction(c)) for line in lines for law, c in wanted.items()]
