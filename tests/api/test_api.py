@@ -186,6 +186,7 @@ def test_an_answer_is_printed_in_a_few_lines(name):
 CONTACT = {"contact_stiffness": (1e4, 1e9, 3), "contact_damping": (1.0, 1e9, 3)}
 
 
+@pytest.mark.slow
 def test_a_chart_over_the_contact_is_that_of_compliant_threads():
     axes = [(name, *span) for name, span in CONTACT.items()]
     found = lsvib.Drive(mass=9).chart(*axes)

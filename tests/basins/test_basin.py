@@ -123,7 +123,7 @@ def test_starts_beside_the_boundary_under_measured_laws(law, size):
 @pytest.mark.parametrize("scene", [scene for scene in BASINS if scene.startswith("friction law")])
 def test_boundary_under_a_law_against_the_map_by_cells(scene):
     """The map divides lines by the events of many motions forwards; its share errs by less than the cells cut."""
-    drive, number = drive_of(scene), 40
+    drive, number = drive_of(scene), 24
     found, size = basin(drive), abs(drive.input_speed) * np.array([8e-3, 5.0])
     axes = [Axis(name, -end, end, number) for name, end in zip("uw", size, strict=True)]
     cells = mapper(drive).cells(Grid(*axes), quantities=("label",))["label"] == Attractor.STEADY_SLIDING
@@ -224,9 +224,9 @@ def test_share_of_windows_of_any_width_about_the_boundary(scene):
             refused += 1
             continue
         assert 0 <= share <= 1
-        states = generator.uniform(low, low + size, (200, 2))
+        states = generator.uniform(low, low + size, (80, 2))
         counted = np.mean([found.contains(state) for state in states])
-        assert abs(counted - share) <= 5 * math.sqrt((share * (1 - share) + 1 / 200) / 200)
+        assert abs(counted - share) <= 5 * math.sqrt((share * (1 - share) + 1 / 80) / 80)
     assert 5 < refused < 40
 
 

@@ -255,6 +255,7 @@ NUTS = [  # with a cycle that one start of 15 and one of 8 in the space of four 
 ]  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("values", "periods"), NUTS)
 def test_attracting_cycles_of_a_nut_that_turns_are_found(values, periods):
     found = nut_drive(**values).cycles()

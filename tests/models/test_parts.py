@@ -186,6 +186,7 @@ def test_a_collar_brakes_with_the_axial_force():
     assert {judged_by_newton(random_drive(seed, collar=True)[0])[1] for seed in range(24)} == {True, False}
 
 
+@pytest.mark.slow
 def test_a_motor_follows_its_command():
     """Motions, energy and eigenvalues of drives behind a motor, half of them with other parts, by Newton's laws."""
     drives, *_ = held(range(16), motor=True)

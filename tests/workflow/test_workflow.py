@@ -162,7 +162,7 @@ def test_a_figure_that_is_built_alone_fails_with_its_checks(built):
 @pytest.mark.parametrize(
     ("change", "jobs"),
     [
-        ("fig8_08={dampings: [1.0e-4, 1.0e-3]}", {"fig8_08"}),
+        pytest.param("fig8_08={dampings: [1.0e-4, 1.0e-3]}", {"fig8_08"}, marks=pytest.mark.slow),
         ("table_8_1={pitch_radius: 5.2e-3}", {"fig8_03", "fig8_08"}),
     ],
 )
