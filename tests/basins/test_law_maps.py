@@ -57,7 +57,7 @@ def differences(name, count, cells):
 
 
 @pytest.mark.parametrize("size", sizes([(100, 60)], [], [(500, 10_000)]))
-@pytest.mark.parametrize("name", sizes(list(LAWS)[::2], list(LAWS)[1::2]))
+@pytest.mark.parametrize("name", sizes(list(LAWS)[::2], [], list(LAWS)[1::2]))
 def test_labels_against_the_rule(name, size):
     assert differences(name, *size) == 0
 

@@ -361,7 +361,7 @@ SEAT = {"friction": "powered_seat", "axial_force": 95}
     [
         (PULLED, "input_speed", [(0.02, 0.4), (0.09, 0.19)], 0.181127006942085, 1e-12),
         (STRIBECK, "input_speed", [(0.1, 0.4)], 0.27178904290785, 1e-8),  # the lead changes it by 3e-9
-        (SEAT, "axial_force", [(68, 110)], 72.575, 1e-5),  # of three digits
+        pytest.param(SEAT, "axial_force", [(60, 200)], 72.575, 1e-5, marks=pytest.mark.search),  # of three digits
     ],
 )
 def test_stick_slip_ends_where_its_slip_just_comes_to_rest(values, parameter, spans, end, tolerance):

@@ -34,7 +34,7 @@ def known(seed):
     return Recording(f"{seed}.csv", *recording), window * STEP, truth
 
 
-@pytest.mark.parametrize("seeds", [range(1000, 1024), pytest.param(range(102), marks=pytest.mark.slow)], ids=len)
+@pytest.mark.parametrize("seeds", [range(1000, 1024), pytest.param(range(150), marks=pytest.mark.search)], ids=len)
 def test_known_starts_are_within_their_errors(seeds):
     """Torque of a third to twice of friction, which may fall by 30 % and swing by 10 %; every other averaging known."""
     off = {"inertia": [], "breakaway": [], "ramp": []}
