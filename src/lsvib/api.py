@@ -375,7 +375,7 @@ class DriveMethods(_Base):
 
         Returns the :class:`lsvib.Basin`, which says whether it contains a state (u [rad], w [rad/s]) and has its
         boundary as curves and its area, of all or within a window [rad²/s]. Raises ``InputError`` for others than
-        the rigid one, where steady sliding attracts nothing, and for the few drives that docs/basin.md lists;
+        the rigid one, where steady sliding attracts nothing, and for drives that docs/basin.md lists;
         ``EngineError`` where the engine cannot follow the boundary.
 
         >>> basin = lsvib.Drive(mass=11, support_damping=1e-3, axial_force=-10).basin()
@@ -392,7 +392,7 @@ class DriveMethods(_Base):
         """Return the largest perturbations that steady sliding tolerates, and the share of a window that settles.
 
         They are distances from (0, 0) to the boundary of the :meth:`basin`, along u, along w, and in the energy
-        k u² / 2 + (I + m r_m² tan² λ) w² / 2, all of them exact.
+        k u² / 2 + (I + m r_m² tan² λ) w² / 2; exact but for the energy under a law, from samples.
 
         Arguments: ``window``, ends of u [rad] and w [rad/s], as ``{"u": (-0.3, 0.3), "w": (-150, 150)}``.
 

@@ -14,6 +14,7 @@ from lsvib.dynamics.impulses import event_impulses
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.motion import Motion, follow
 from lsvib.errors import EngineError, InputError
+from lsvib.models import friction
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
 from lsvib.models.model import Model, model_of
@@ -196,7 +197,7 @@ def tolerated(drive: Drive) -> Tolerated:
     Infinite if motion comes back from any, zero if steady sliding is unstable, None if it is not known.
     """
     if not drive.rigid:
-        return None, TOLERATED["no_closed_form"]
+        return None, TOLERATED["not_computed"]
     try:
         c = coefficients(drive)
         ratio = 0.5 * float(c.damping[-1]) / math.sqrt(drive.coupling_stiffness * float(c.gamma[-1]))
@@ -205,11 +206,10 @@ def tolerated(drive: Drive) -> Tolerated:
         found = resilience(drive).speed
     except (InputError, EngineError) as error:
         return None, str(error)
-    if found in (0.0, math.inf):
-        return found, TOLERATED["any" if found else "none"]
-    if found > 1e4 * abs(drive.input_speed):  # more than a drive meets
-        return math.inf, TOLERATED["any_sudden"]
-    return found, TOLERATED["some"]
+    if found > 1e4 * abs(drive.input_speed):  # more than a drive meets; under a law no motion is followed for ever
+        words = "any" if found == math.inf and not friction.depends_on_speed(drive) else "any_sudden"
+        return math.inf, TOLERATED[words]
+    return found, TOLERATED["some" if found else "none"]
 
 
 def tolerated_by_trial(drive: Drive, stiff: float | None, parts: Parts = ("threads",)) -> Tolerated:

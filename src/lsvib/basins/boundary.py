@@ -29,22 +29,21 @@ from lsvib.models import friction
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import Coefficients, coefficients
 from lsvib.models.rigid import MotionMode, rigid_automaton
-
-_NOTHING = "steady sliding attracts nothing in this drive"
+from lsvib.stability.conditions import stability
 
 
 class AttractsNothing(InputError):
     """Steady sliding is not asymptotically stable, so it has no basin; ``neutral``: motions near it do not grow."""
 
-    def __init__(self, sentence: str, neutral: bool) -> None:
-        super().__init__(sentence)
+    def __init__(self, why: str, neutral: bool) -> None:
+        super().__init__(f"steady sliding attracts nothing in this drive: {why}.")
         self.neutral = neutral
 
 
 class Boundary(IntEnum):
     """What bounds the basin."""
 
-    NONE = 0  # steady sliding is globally stable
+    NONE = 0  # steady sliding is globally stable, under a friction law from up to 10⁵ Ω
     TOUCHING_MOTION = 1  # the motion that touches Q = 0, and the line Q = 0; no motion that has stood still settles
     TOUCHING_SLIP = 2  # the slip from θ′ = 0 that touches Q = 0
     CYCLE = 3  # a cycle that repels
@@ -118,7 +117,7 @@ def basin(drive: Drive) -> Basin:
     """Compute the basin of steady sliding of the rigid drive.
 
     It is the same under both rules of resuming after a seizure. Raises ``InputError`` where steady sliding attracts
-    nothing, and for the few drives whose basin has another shape (see docs/basin.md); ``EngineError`` where the engine
+    nothing, and for drives whose basin is not covered (see docs/basin.md); ``EngineError`` where the engine
     cannot follow the boundary.
     """
     if not drive.rigid:
@@ -135,7 +134,7 @@ def basin(drive: Drive) -> Basin:
     law = friction.depends_on_speed(drive)
     damping, gamma = c.damping[c.steady_law], c.gamma[c.steady_law]
     if not law and (damping <= 0 or gamma <= 0):
-        raise AttractsNothing(f"{_NOTHING}: its effective damping or inertia is not positive.", damping == 0 < gamma)
+        raise AttractsNothing("its effective damping or inertia is not positive", neutral=damping == 0 < gamma)
     find = _under_law if law else _in_paradox if c.paradox else _continuous
     boundary, curves = find(drive, c)
     return Basin(drive, boundary, tuple(curves))
@@ -144,7 +143,7 @@ def basin(drive: Drive) -> Basin:
 def known_basin(drive: Drive) -> Basin | None:
     """Return the basin of a drive of any model; None where its boundary is not known.
 
-    Those are drives that are not rigid, and the few rigid drives for which :func:`basin` raises.
+    Those are drives that are not rigid, and the rigid ones for which :func:`basin` raises.
     """
     try:
         return basin(drive) if drive.rigid else None
@@ -157,7 +156,9 @@ def _under_law(drive: Drive, c: Coefficients) -> tuple[Boundary, list[Curve]]:
     flow: Any = rigid_automaton(drive).tables.flow
     mode = int(np.argmax(flow.settled_level))
     if not (level := float(flow.settled_level[mode])) > 0:
-        raise AttractsNothing(f"{_NOTHING}: what disturbs it grows.", neutral=False)
+        if not (found := stability(drive)).stable:
+            raise AttractsNothing("what disturbs it does not die away", max(x.real for x in found.eigenvalues) == 0)
+        raise InputError("no start beside steady sliding is known to settle; the basin of such a drive is not covered.")
     start = 0.5 * math.sqrt(level / flow.settled_form[mode, 0, 0])
     arcs = _wind_up(drive, backward_under_law(drive), np.array([start, 0.0]), mode)
     return (Boundary.CYCLE, [[*arcs]]) if arcs else (Boundary.NONE, [])

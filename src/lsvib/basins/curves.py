@@ -1,4 +1,4 @@
-r"""Regions of the phase plane bounded by arcs of a flow and straight segments: areas, points, windows – all exact.
+r"""Regions of the phase plane bounded by arcs of a flow and straight segments: areas, points, windows, to rounding.
 
 A curve is a list of pieces, each beginning where the one before ends; the region that it bounds lies on its *right*: a
 motion turns clockwise in the phase plane. The area is then ∮ w du (docs/basin.md). Along a line w = const, from u = −∞

@@ -25,7 +25,7 @@ _SAMPLES = 400  # of an arc under a friction law, between which the energy is ta
 
 @dataclass(frozen=True)
 class Resilience:
-    """The perturbations that steady sliding of a rigid drive tolerates; infinite where it tolerates all, zero if none.
+    """The perturbations that steady sliding tolerates; infinite where all, under a law up to 10⁵ Ω; zero if none.
 
     ``boundary`` of its basin in words, or ``neutral`` or ``unstable`` where there is no basin; largest tolerated
     perturbation of the deflection ``angle`` [rad] alone, of the ``speed`` [rad/s] alone, and by ``energy`` [J], which

@@ -19,6 +19,7 @@ from lsvib.dynamics.cycles import Cycle, cycle_from, random_starts, search, star
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.motion import enter
 from lsvib.errors import EngineError, InputError
+from lsvib.models import friction
 from lsvib.models.drive import IN_WORDS, PART_OF, Drive, described, zero_if_close
 from lsvib.models.model import model_of
 
@@ -89,16 +90,17 @@ def _multiplier(value: float | list[float] | None) -> str:
 def find_cycles(drive: Drive, automaton: Automaton) -> Cycles:
     """Return all cycles of a drive that are found; ``automaton`` is the drive's, with its rule of resuming.
 
-    From starts, on the edges of basins, and at the exact boundary of the basin of steady sliding where that is known.
+    From starts, on the edges of basins, and at the boundary of the basin of steady sliding where that is known.
     """
     if shrinks_areas(automaton):
         return Cycles((), (), "There is no cycle: slip makes every area of the phase plane smaller.")
     proved, known = "", None
     if (basin := known_basin(drive)) is not None:
         if basin.boundary == Boundary.NONE:
-            return Cycles((), (), "There is no cycle: steady sliding is globally stable.")
+            far = " up to 10⁵ times the input speed" if friction.depends_on_speed(drive) else ""
+            return Cycles((), (), f"There is no cycle{far}: steady sliding is globally stable{far}.")
         kind = basin.boundary.name.lower().replace("_", " ")
-        proved = f"Not every motion settles; the boundary of the basin of steady sliding is exact (its kind: {kind})."
+        proved = f"Not every motion settles; the boundary of the basin of steady sliding is known (its kind: {kind})."
         if basin.boundary == Boundary.CYCLE:
             arcs = [piece for piece in basin.curves[0] if isinstance(piece, Arc)]
             mode, start = enter(automaton, state_on(basin.flow, arcs[0], 0.5 * arcs[0].duration))

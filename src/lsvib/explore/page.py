@@ -45,7 +45,6 @@ _TEMPLATE = """{% block preamble %}<meta name="viewport" content="width=device-w
 <link rel="icon" href="data:,">{% endblock %}"""
 _NARROW = {"sizing_mode": "scale_width", "max_width": 640, "min_width": 320}  # as narrow as a telephone
 
-
 THREAD = ThreadPoolExecutor(1)
 """Where slow work is done, piece by piece, so that pages answer meanwhile."""
 

@@ -24,7 +24,6 @@ MOST = 30.0  # times critical damping 2 √(k J): largest damping that is tried
 SEEN = 0.8  # of the period that jerks would have: averaged over more, they are not seen
 BENT = 0.02  # standard error of all slopes in common, relative, as real ramps are no straight lines
 
-
 Place = tuple[float, float, float]  # speed of the screw [rad/s], axial load [N] and mass that moves [kg]
 
 

@@ -16,7 +16,6 @@ from lsvib.errors import EngineError
 
 DIGITS = 150  # with rates thirty decades apart, a product of four of their differences leaves 30 digits
 
-
 Number = Any  # arb, arb_series, an array of doubles, or a float or int
 _precision = RLock()  # FLINT has one precision for all threads
 
