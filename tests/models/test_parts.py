@@ -86,6 +86,7 @@ def held(seeds, **more: bool) -> tuple[list[Drive], int, set[int]]:
     for drive, start in (random_drive(seed, **more) for seed in seeds):
         with suppress(InputError, EngineError):
             motion, _ = held_against_newton(drive, start, 0.05, 10, 3e-10)
+            assert len(motion.time) < 4 or motion.time[-4] < motion.time[-1], "an event follows upon the other at once"
             found.append(drive)
             events, kinds = events + motion.time.size, kinds | set(motion.kind.tolist())
     return found, events, kinds

@@ -245,9 +245,11 @@ class Bodies:
             tied = {b: p[f"{b}_friction"] for b in ("bearing", "slide") if b in mode and not self.free(b)}
             for way in (1, -1):
                 load = p["axial_force"] - way * p["slide_friction"] if "slide" in tied else found["n"]
+                spared = way * tied.get("bearing", 0)  # what the threads do not carry as slip begins
+                load -= spared * self.tangent / p["pitch_radius"] if "e" in self.place else 0
                 law = sign(way * load) or 1
-                most = (self.lever(law, self.static()) + law * self.collar) * load * way + tied.get("bearing", 0)
-                broken.append((way * found["tau"] - most) / torque)
+                most = (self.lever(law, self.static()) + law * self.collar) * load
+                broken.append(way * (found["tau"] - spared - most) / torque)
         for body, name, limit in (("bearing", "screw", torque), ("slide", "travel", force)):
             if body in mode and self.free(body):
                 own = speed if body == "bearing" else self.lead * speed

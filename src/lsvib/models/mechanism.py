@@ -312,9 +312,9 @@ class Mechanism:
     def left(self, ways: Ways, direction: int, side: int) -> Row:
         """Return the static friction [N m] that keeps the threads from slipping in a direction, on a side of n.
 
-        That is ±(r_m ξ_s n − τ) with s = ± sgn n, and what a bearing adds that turns with the slip. A slide that moves
-        with it opposes the same motion; one that pushed the other way could jam the threads at a larger τ, at which
-        slip is possible, too.
+        That is ±(r_m ξ_s n − τ) with s = ± sgn n, and what a bearing takes that turns with the slip: at rest τ and n
+        count it to the threads. A slide that moves with it opposes the same motion; one that pushed the other way
+        could jam the threads at a larger τ, at which slip is possible, too.
         """
         rest = self.solve(0, 1, ways)
         contact, law = rest.contact, direction * side
@@ -322,6 +322,8 @@ class Mechanism:
             contact, law = self.constant(self.load(direction)), self.released(direction, 0) * direction
         threads = plus(scaled(contact, self.d.pitch_radius * self.xi_rest[law]), scaled(rest.torque, -1))
         bearing = self.limits["bearing"] if "bearing" in self.tied else 0
+        if self.compliant:  # n = N / cos λ + tan λ τ / r_m
+            bearing = bearing * (1 - self.xi_rest[law] * self.d.tan_lead)
         return plus(scaled(threads, direction), self.constant(bearing))
 
     def load(self, direction: int) -> Any:
