@@ -119,7 +119,7 @@ def test_more_random_sheets_are_answered_in_time(tmp_path):
     """Of a sheet that took too long the second answer is timed, with the kernels that it needs compiled; the limit is
     that of a quiet machine, of which a busy one takes up to three times as much.
     """
-    for index in range(10):
+    for index in range(4):
         path = written(tmp_path, 2, index)
         spent = answered(path)
         if spent is not None and spent > 3 * MOST:

@@ -201,7 +201,8 @@ def durations(d: SlipDrive) -> list[arb]:
     slowest = 1 / slip.a0.sqrt() if slip.turns else -1 / slip.rates[0]
     first = min(q_u / (slip.a0 * q_w), slowest) if q_w > 0 else slowest
     low, high = 0.1 * first, 2 * arb.pi() / slip.beta if slip.turns else 40 * slowest
-    return [(low * (high / low) ** (arb(k) / 240)).mid() for k in range(241)]
+    step = (high / low).log() / 240
+    return [(low * (k * step).exp()).mid() for k in range(241)]
 
 
 def widest_return(d: SlipDrive) -> tuple[arb, arb, arb]:
@@ -314,7 +315,8 @@ def rest_left(drive: Drive) -> tuple[arb, Start]:
     ``NoThreshold`` if it does not come back, or has met Q = 0 long before.
     """
     d = _seizing(drive)
-    time = _first_root(d, lambda back: back.x - d.end_of_rest(d.force))
+    end = d.end_of_rest(d.force)
+    time = _first_root(d, lambda back: back.x - end)
     if time is None:
         raise NoThreshold("slip from the end of rest does not come back to where it started.")
     back = Return(d, time)
