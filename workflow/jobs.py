@@ -25,7 +25,7 @@ _LIBRARIES = [  # that most jobs load
     *("netCDF4", "scipy.linalg", "xarray"),
     "pint",  # which xarray loads as soon as it computes
     *("matplotlib.backends.backend_agg", "matplotlib.backends.backend_pdf", "matplotlib.figure"),
-    "snakemake.cli",  # the main module, which multiprocessing would load in every process
+    "snakemake.exceptions",  # which this module loads
     *("lsvib.figures.build", "lsvib.figures.drawing", "lsvib.dynamics.attractor", "lsvib.stability.boundaries"),
 ]
 # When a file of lsvib last changed; each job looks anew.
@@ -34,6 +34,7 @@ _CHANGED = max((file.stat().st_ctime_ns for file in _FILES if file.is_file()), d
 
 # One thread for linear algebra in each job, as Snakemake gives to scripts: matrices are small, and jobs fill the cores.
 os.environ.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1"))
+vars(sys.modules["__main__"]).pop("__file__", None)  # else each process would load the main module, all of Snakemake
 _PROCESSES = multiprocessing.get_context("forkserver")
 _PROCESSES.set_forkserver_preload(_LIBRARIES)
 Texts = list[str]

@@ -67,11 +67,14 @@ def built(finished: tuple[Project, str], tmp_path: Path) -> Project:
 
 
 def copy_of_sources(folder: Path) -> Project:
-    """Copy what the workflow needs, and configure two figures without engine on coarse grids."""
+    """Copy what the workflow needs, and configure two figures without engine.
+
+    Python's compiled modules come along; kernels do not, since these figures have none.
+    """
     folder.mkdir()
     for part in PARTS:
         if (ROOT / part).is_dir():
-            shutil.copytree(ROOT / part, folder / part, ignore=shutil.ignore_patterns("__pycache__", "*.egg-info"))
+            shutil.copytree(ROOT / part, folder / part, ignore=shutil.ignore_patterns("*.nb?", "*.egg-info"))
         else:
             shutil.copy2(ROOT / part, folder / part)
     config = folder / "config" / "config.yaml"

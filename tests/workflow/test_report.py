@@ -24,7 +24,7 @@ def report(finished, tmp_path_factory):
     return folder / "report"
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def page(report, browser):
     """The report; that Snakemake has its style from a script which advises against that is not ours to change."""
     with chromium.opened(browser, (report / "report.html").as_uri(), known="cdn.tailwindcss.com") as opened:

@@ -38,7 +38,9 @@ sys.path[:0] = [str(ROOT / "workflow"), str(ROOT)]
 import benchmarks  # with which the references are found, too
 import jobs
 
-if not Path("results/verdict.txt").exists():
+# What asks Snakemake for a plan, a picture of the rules, a report; it says so itself only after all this is read.
+ASKS = re.compile(r"-[npq]*n[npq]*|--(dry-?run|lint|report|rulegraph|filegraph|d3dag|dag|(detailed-)?summary|list)\b.*")
+if not (Path("results/verdict.txt").exists() or any(map(ASKS.fullmatch, sys.argv[1:]))):
     jobs.start()  # while Snakemake plans
 
 
