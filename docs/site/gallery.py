@@ -23,6 +23,7 @@ _SECTIONS = {
     "1_chapter": "The chapter\n-----------\n\nThe fifteen figures of chapter 8.\n",
     "2_beyond": "Beyond the chapter\n------------------\n\nWhat it says without a figure, and what goes further.\n",
 }
+# The file is shown as "pyi": in what is "python", Sphinx-Gallery looks for names to link, token by token, for seconds.
 _SCRIPT = '''"""
 {title}
 {rule}
@@ -41,7 +42,7 @@ figure = load("{name}").draw(found)
 # ----------------------
 #
 # .. literalinclude:: {file}
-#    :language: python
+#    :language: pyi
 '''
 _SHOWN = """
 # sphinx_gallery_thumbnail_path = 'files/figures/{name}.png'

@@ -38,14 +38,23 @@ def opened(browser, address: str, width: int = 1500, height: int = 1000, known: 
 
     ``known``: the beginning of what may be said all the same.
     """
-    page = browser.new_page(viewport={"width": width, "height": height})
+    # One tab for all, one after the other: it keeps the scripts that they share, and is empty in between.
+    page = next((page for context in browser.contexts for page in context.pages), None) or browser.new_page()
+    page.set_viewport_size({"width": width, "height": height})
     said: list[str] = []
-    page.on("console", lambda message: said.append(message.text) if message.type in ("error", "warning") else None)
-    page.on("pageerror", lambda error: said.append(str(error)))
-    page.on("requestfailed", lambda request: said.append(f"{request.url}: {request.failure}"))
+    heard = {
+        "console": lambda message: said.append(message.text) if message.type in ("error", "warning") else None,
+        "pageerror": lambda error: said.append(str(error)),
+        "requestfailed": lambda request: said.append(f"{request.url}: {request.failure}"),
+    }
+    for event, hear in heard.items():
+        page.on(event, hear)
     page.goto(address)
     yield page
-    page.close()
+    page.evaluate("0")  # all that it has said until here is heard before the answer
+    for event, hear in heard.items():
+        page.remove_listener(event, hear)
+    page.goto("about:blank")
     assert [words for words in said if known is None or not words.startswith(known)] == []
 
 

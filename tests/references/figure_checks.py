@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Callable
+from copy import deepcopy
 from functools import cache
 from pathlib import Path
 
@@ -19,14 +20,18 @@ CONFIG = Path(__file__).parents[2] / "config"
 Spoiler = Callable[[xr.Dataset], xr.Dataset]
 
 
+@cache
+def _config(name: str) -> dict:
+    return yaml.safe_load((CONFIG / f"{name}.yaml").read_text())
+
+
 def draft(figure: str) -> dict:
     """The settings of a figure as the workflow merges them for a draft."""
-    full, changes = (yaml.safe_load((CONFIG / f"{name}.yaml").read_text()) for name in ("config", "draft"))
 
     def merge(old: dict, new: dict) -> dict:
         return {**old, **{k: merge(old[k], v) if isinstance(v, dict) else v for k, v in new.items()}}
 
-    return merge(full[figure], changes.get(figure, {}))
+    return merge(deepcopy(_config("config")[figure]), _config("draft").get(figure, {}))
 
 
 @cache

@@ -162,6 +162,7 @@ def _beside(drive: Drive, table: Any, record: Any) -> dict[str, Any]:
 
     Speeds are recorded in whole rpm. A swing is the standard deviation about means over 31 samples, ten jerks.
     """
+    from lsvib.fit.stick_slip import static_friction_of
     from lsvib.stability.starting import end_from_rest
 
     def fast_share(speed: np.ndarray) -> float:
@@ -170,23 +171,19 @@ def _beside(drive: Drive, table: Any, record: Any) -> dict[str, Any]:
     def swing(torque: np.ndarray) -> float:
         return float(np.std((torque - np.convolve(torque, np.full(31, 1 / 31), "same"))[15:-15]))
 
-    sense = math.copysign(1.0, drive.input_speed)
-    low, high = 1.001 * (drive.friction_coefficient + drive.stribeck_rise), 3.0
-    while high - low > 1e-9:  # a period grows with the friction at rest
-        middle = 0.5 * (low + high)
-        shorter = not end_from_rest(drive.replace(static_friction_coefficient=middle)).period >= record.period[0]
-        low, high = (middle, high) if shorter else (low, middle)
-    averaged, fastest, balanced = _cycle(drive.replace(static_friction_coefficient=high))
+    sense, period = math.copysign(1.0, drive.input_speed), float(record.period[0])
+    static = static_friction_of(drive, period)
+    averaged, fastest, balanced = _cycle(drive.replace(static_friction_coefficient=static))
     recorded, torque = sense * table.speed, sense * table.torque
     windows = np.linspace(0.02, 0.15, 131)
     window = float(min(windows, key=lambda one: abs(fast_share(averaged(table.time, one)[0]) - fast_share(recorded))))
     speed, model = averaged(table.time, window)
     shown = torque[: RECORD_TIMES.size]
-    starts = np.linspace(0, record.period[0], 200, endpoint=False)
+    starts = np.linspace(0, period, 200, endpoint=False)
     start = min(starts, key=lambda at: np.var(averaged(RECORD_TIMES + at, window)[1] - shown))
     return {
-        "jerk_period": record.period[0], "jerk_period_error": record.period[1], "jerk_stiffness": record.stiffness[0],
-        "averaging": window, "period_by_torque": end_from_rest(drive).period, "static_by_period": high,
+        "jerk_period": period, "jerk_period_error": record.period[1], "jerk_stiffness": record.stiffness[0],
+        "averaging": window, "period_by_torque": end_from_rest(drive).period, "static_by_period": static,
         "largest_speed": fastest, "energy_balance": balanced, "standing_speed": np.median(recorded),
         "swing": [swing(torque), swing(model)], "recorded_top": [np.quantile(one, TOP) for one in (recorded, speed)],
         "mean_torque": [torque.mean(), model.mean()], "recorded_torque": shown,

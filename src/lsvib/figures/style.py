@@ -6,7 +6,6 @@ Importing this loads no matplotlib, so a figure, whose dataset is built without 
 import re
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from functools import wraps
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -59,6 +58,7 @@ _STYLE = {
     "figure.constrained_layout.use": True,
     "pdf.fonttype": 42,  # embed TrueType, so that text in the PDF stays text
 }
+_NO_TABLES = ("GDEF", "GPOS", "GSUB")  # of a font in a PDF, which has no use for them; they take half of the time
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _LETTERS = {"\\times": "×", "\\Omega": "Ω", "\\lambda": "λ", "\\mu": "μ", "\\theta": "θ", "\\zeta": "ζ"}
 _STATED = re.compile(r"(\S+) \(printed")  # a printed value among assumed ones
@@ -66,27 +66,22 @@ _STATED = re.compile(r"(\S+) \(printed")  # a printed value among assumed ones
 
 def styled(draw: Callable[[xr.Dataset], Figure]) -> Callable[[xr.Dataset], Figure]:
     """Decorate a ``draw`` function: it runs in our style, and the caller's matplotlib settings stay as they were."""
-
-    @wraps(draw)
-    def in_style(dataset: xr.Dataset) -> Figure:
-        """Draw in our style."""
-        with _look():
-            return draw(dataset)
-
-    return in_style
+    return _look()(draw)
 
 
 @contextmanager
 def _look(**more: Any) -> Iterator[None]:
     """Our style, with indices of four fifths of the size, so that those of 7.5 pt are of 6 pt."""
+    from fontTools.subset import Options
     from matplotlib import _mathtext, rc_context
 
     factor, _mathtext.SHRINK_FACTOR = _mathtext.SHRINK_FACTOR, 0.8
+    tables, Options._drop_tables_default = Options._drop_tables_default, [*Options._drop_tables_default, *_NO_TABLES]
     try:
         with rc_context(_STYLE | more):
             yield
     finally:
-        _mathtext.SHRINK_FACTOR = factor
+        _mathtext.SHRINK_FACTOR, Options._drop_tables_default = factor, tables
 
 
 def new_figure(width: float = SINGLE, height: float = 2.8) -> Figure:
@@ -94,9 +89,7 @@ def new_figure(width: float = SINGLE, height: float = 2.8) -> Figure:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(width, height))
-    FigureCanvasAgg(figure)
-    return figure
+    return FigureCanvasAgg(Figure(figsize=(width, height))).figure
 
 
 def label(variable: xr.DataArray, name: str | None = None) -> str:

@@ -450,9 +450,15 @@ def described(key: str) -> dict[str, str]:
     return {name: str(text) for name, text in extra.items()} if isinstance(extra, dict) else {}
 
 
+@lru_cache(maxsize=64)  # pydantic takes ten milliseconds for it
+def rules_of(model: type[BaseModel]) -> dict[str, Any]:
+    """Return what the JSON schema of a model says of each parameter, such as ``minimum`` and ``maximum``."""
+    return dict(model.model_json_schema()["properties"])
+
+
 def allowed_range(model: type[BaseModel], key: str) -> str:
     """Return the allowed range of a parameter as text, e.g. ``1e-18 <= mass <= 1e+09``; empty if it has no bounds."""
-    text = range_in_words(key, model.model_json_schema()["properties"][key])
+    text = range_in_words(key, rules_of(model)[key])
     return f"{text} < cot(lead_angle)" if key == "friction_coefficient" else text
 
 

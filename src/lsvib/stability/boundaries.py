@@ -9,7 +9,6 @@ friction depends. They, and why a list of their roots is complete, stand in docs
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from functools import cache
 from itertools import pairwise
 from typing import Any
 
@@ -17,7 +16,7 @@ from flint import arb, fmpq, fmpq_poly
 
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.models import friction
-from lsvib.models.drive import Drive, may_vanish
+from lsvib.models.drive import Drive, may_vanish, rules_of
 from lsvib.models.mechanics import LinearParts, net_force
 from lsvib.models.model import model_of
 from lsvib.stability import spectrum
@@ -181,7 +180,7 @@ class Line:
             most = max(slowest, static)
             return min(1 / most, steepest) if most else steepest
         if self.unknown not in ("friction_coefficient", "static_friction_coefficient", *friction.OF_SPEED):
-            return fmpq(*float(_range(self.unknown)["maximum"]).as_integer_ratio())
+            return fmpq(*float(rules_of(Drive)[self.unknown]["maximum"]).as_integer_ratio())
         place = self.at(fmpq_poly([0, 1]))
         slowest = place[0]["friction_coefficient"] + place[0].get("stribeck_rise", 0)
         limits = [fmpq(10**6)]  # of the slope; more than cot λ of the least lead angle
@@ -191,7 +190,7 @@ class Line:
 
     def _speed_limits(self) -> None:
         """Narrow a parameter of the sliding speed to where μ tan λ < 1 in steady sliding."""
-        rule = _range(self.unknown)
+        rule = rules_of(Drive)[self.unknown]
         least = rule["anyOf"][-1]["minimum"] if "anyOf" in rule else rule["minimum"]
         self.lowest = fmpq(*float(least).as_integer_ratio())
         locked = RootCondition("", lambda values, t, sense: 1 - t * _friction(values, t, sense))
@@ -308,15 +307,8 @@ class Line:
     @classmethod
     def all_of(cls, drive: Drive, unknown: str) -> "list[Line]":
         """Return both sides of zero where the parameter may be negative, else the positive one."""
-        lowest = _range(unknown).get("minimum", 0)
+        lowest = rules_of(Drive)[unknown].get("minimum", 0)
         return [cls(drive, unknown, side) for side in ((-1, 1) if lowest < 0 else (1,))]
-
-
-@cache  # pydantic takes milliseconds for it
-def _range(key: str) -> dict[str, Any]:
-    """The schema of a parameter, with ``minimum`` and ``maximum``."""
-    found: dict[str, Any] = Drive.model_json_schema()["properties"][key]
-    return found
 
 
 @many_digits()
