@@ -58,7 +58,6 @@ _STYLE = {
     "figure.constrained_layout.use": True,
     "pdf.fonttype": 42,  # embed TrueType, so that text in the PDF stays text
 }
-_NO_TABLES = ("GDEF", "GPOS", "GSUB")  # of a font in a PDF, which has no use for them; they take half of the time
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _LETTERS = {"\\times": "×", "\\Omega": "Ω", "\\lambda": "λ", "\\mu": "μ", "\\theta": "θ", "\\zeta": "ζ"}
 _STATED = re.compile(r"(\S+) \(printed")  # a printed value among assumed ones
@@ -72,16 +71,14 @@ def styled(draw: Callable[[xr.Dataset], Figure]) -> Callable[[xr.Dataset], Figur
 @contextmanager
 def _look(**more: Any) -> Iterator[None]:
     """Our style, with indices of four fifths of the size, so that those of 7.5 pt are of 6 pt."""
-    from fontTools.subset import Options
     from matplotlib import _mathtext, rc_context
 
     factor, _mathtext.SHRINK_FACTOR = _mathtext.SHRINK_FACTOR, 0.8
-    tables, Options._drop_tables_default = Options._drop_tables_default, [*Options._drop_tables_default, *_NO_TABLES]
     try:
         with rc_context(_STYLE | more):
             yield
     finally:
-        _mathtext.SHRINK_FACTOR, Options._drop_tables_default = factor, tables
+        _mathtext.SHRINK_FACTOR = factor
 
 
 def new_figure(width: float = SINGLE, height: float = 2.8) -> Figure:
