@@ -145,7 +145,7 @@ def test_a_dip_below_a_guard_is_missed_by_a_general_solver_and_not_by_taylor_ser
         assert ask(dip, "heyoka", 1e-12).verdict is Verdict.RIGHT
 
 
-@pytest.mark.slow
+@pytest.mark.search
 def test_certainty_costs_less_than_twice_a_plain_search():
     """The price of the certain search beside the cheapest possible one, which finds the same roots."""
     certain, plain = cost_of_certainty.compared(repeats=200)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import yaml
 from references.measured import LAW, SPEEDS, square, torque, write_tables
+from references.sizes import sizes
 
 import lsvib
 from lsvib.assess.output import assess_file
@@ -307,14 +308,13 @@ def test_friction_that_falls_is_said_for_measured_loads_and_directions(tmp_path)
     assert falls_up_to(steep, falling, 300.0, -1) == pytest.approx(steep.speeds[-1])
 
 
-@pytest.mark.slow
-def test_the_law_lies_within_its_stated_errors(tmp_path):
-    """In 95 % of 120 sets of files, each number within 1.96 standard errors; less four of the binomial's own, 2 %.
+@pytest.mark.parametrize("trials", sizes([], [50], [400]))
+def test_the_law_lies_within_its_stated_errors(trials, tmp_path):
+    """In 95 % of sets of files, each number within 1.96 standard errors; less four deviations of the binomial's own.
 
     56 points less 7 numbers leave 49 degrees, with which 1.96 standard errors hold 94.4 %.
     """
     inside = dict.fromkeys(KNOWN, 0)
-    trials = 120
     for trial in range(trials):
         random = np.random.default_rng(trial)
         main = fit_sheet(write_tables(tmp_path / str(trial), noise=0.02, samples=10, random=random)).fit.main

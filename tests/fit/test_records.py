@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from references.sizes import sizes
 
 from lsvib.fit.records import look
 from lsvib.fit.tables import Recording, read_table
@@ -87,7 +88,7 @@ def known(seed, per_tooth=None):
     return Recording(f"{seed}.csv", turned, torque), step, window, truth
 
 
-@pytest.mark.parametrize("seeds", [range(1000, 1040), pytest.param(range(200), marks=pytest.mark.slow)], ids=len)
+@pytest.mark.parametrize("seeds", sizes([range(1000, 1040)], [], [range(200)]), ids=len)
 def test_known_jerks_are_within_their_errors(seeds):
     """Of every other one the window of averaging is known. Of forty as many as chance leaves of 95 % are within."""
     off = {}

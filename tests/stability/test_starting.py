@@ -129,7 +129,7 @@ def jerks_just_below(seeds) -> int:
     return found
 
 
-@pytest.mark.parametrize("seeds", sizes([[0, 1, 2, 4]], [[5, 7, *range(100, 108)]], [range(110, 172)]), ids=len)
+@pytest.mark.parametrize("seeds", sizes([[0, 1, 2, 4]], [[5, 7, 100, 101, 102]], [range(103, 172)]), ids=len)
 def test_below_it_the_motion_sticks_for_ever(seeds):
     assert jerks_just_below(seeds) >= 0.7 * len(seeds)
 

@@ -131,11 +131,11 @@ def compared(drive, solved, solution, truth, rng, slopes):
         ("global_stability", "axial_force"),
         ("fold", "axial_force"),
         ("cycle_birth", "axial_force"),
-        pytest.param("rest_loss", "support_damping", marks=pytest.mark.slow),  # which few drives have
+        pytest.param("rest_loss", "support_damping", marks=pytest.mark.slow),  # a second a search
     ],
 )
 def test_twelve_digits_and_derivatives(name, unknown):
-    for rng, drive, found, slopes in accepted(name, unknown, DRIVES):
+    for rng, drive, found, slopes in accepted(name, unknown, 3 if name == "rest_loss" else DRIVES):
         for solution in found.solutions:
             judged(name, drive, found, solution, rng, slopes)
 
