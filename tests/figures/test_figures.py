@@ -9,6 +9,7 @@ import subprocess
 import sys
 from collections import defaultdict
 from functools import cache
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -268,7 +269,7 @@ def right(figure):
     return dataset_of(figure)
 
 
-@pytest.fixture(params=QUANTITIES)
+@pytest.fixture
 def quantity(request, right, monkeypatch):
     """One of the quantities, made wrong where drives, automata and thresholds take it from, once ``right`` is built."""
     name = QUANTITIES[request.param]
@@ -301,8 +302,13 @@ def _observing_wrongly(assemble):
     return wrong
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("figure", default_figures())
+CASES = [
+    pytest.param(figure, name, marks=pytest.mark.search if figure in NOT_IN[name] else pytest.mark.slow)
+    for figure, name in product(default_figures(), QUANTITIES)
+]
+
+
+@pytest.mark.parametrize(("figure", "quantity"), CASES, indirect=["quantity"])
 def test_a_wrong_coefficient_fails_a_check(figure, right, quantity):
     try:
         dataset = dataset_of.__wrapped__(figure)  # not the one that is kept
