@@ -113,7 +113,7 @@ def with_law(rng, drive: Drive) -> Drive:
     return Drive.of({**dict(drive), **values})
 
 
-@pytest.mark.parametrize("size", sizes([80], [], [500]))
+@pytest.mark.parametrize("size", sizes([50], [], [500]))
 @pytest.mark.parametrize("kind", sizes(["rigid"], ["threads", "support", "nut"]))
 def test_endings_under_friction_laws_are_those_of_one_motion(kind, size):
     """Random laws, in and out of the Painlevé region, from rest: labels, and all numbers to 1e-9.

@@ -120,6 +120,6 @@ def test_release_without_a_jump_of_force():
     assert found["release"] >= 40
 
 
-@pytest.mark.parametrize("seeds", sizes([], [range(14, 28)], [range(28, 104)]), ids=len)
+@pytest.mark.parametrize("seeds", sizes([], [range(14, 22)], [range(22, 104)]), ids=len)
 def test_many_random_motions(seeds):
     assert compare_random(seeds)["events"] > 0.7 * len(seeds)

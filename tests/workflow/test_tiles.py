@@ -3,42 +3,41 @@
 import shutil
 
 import pytest
+import yaml
 from conftest import ROOT, copy_of_sources
 
 from lsvib.datasets.io import read_dataset
+from lsvib.datasets.map import gather_map, map_tile
+from lsvib.figures.configuration import given
 
 pytestmark = pytest.mark.workflow
 
 MAP = "results/attraction/map.nc"
+THREE = ("--set-scatter", "attraction=3")
 
 
-@pytest.fixture(scope="module")
-def mapped(tmp_path_factory):
-    """Return a project in which a map of 60 x 40 cells has been made in one tile.
+@pytest.mark.slow
+def test_a_map_in_tiles_is_the_map(tmp_path):
+    """With three tiles the jobs are three, and the labels and times those of one tile; a changed drive maps anew.
 
-    It shares its sources with this checkout, so that the kernels that the other tests compiled serve here too.
+    60 x 40 cells, in a project that shares its sources with this checkout, so that the kernels that the other tests
+    compiled serve here too.
     """
-    project = copy_of_sources(tmp_path_factory.mktemp("mapped") / "project")
+    project = copy_of_sources(tmp_path / "project")
     shutil.rmtree(project.folder / "src")
     (project.folder / "src").symlink_to(ROOT / "src")
     project.environment["PYTHONPATH"] = str(ROOT / "src")
     project.edit("config/config.yaml", "stop: 0.3, count: 400", "stop: 0.3, count: 60")
     project.edit("config/config.yaml", "stop: 150.0, count: 400", "stop: 150.0, count: 40")
-    project.edit("config/config.yaml", "tiles: 4", "tiles: 1")
-    run = project(MAP)
-    assert run.returncode == 0, run.stdout
-    return project
-
-
-@pytest.mark.slow
-def test_a_map_in_tiles_is_the_map(mapped):
-    """With three tiles the jobs are three, and the labels and times those of one tile; a changed drive maps anew."""
-    one = read_dataset(mapped.folder / MAP)
-    (mapped.folder / "change.yaml").write_text("attraction: {drive: {mass: 10.9}}")
-    jobs = {"Compiling the mapper", "Mapping tile 1-of-1", "Gathering the tiles"}
-    assert mapped.plan(MAP, "--configfile", "change.yaml") == jobs
-    (mapped.folder / MAP).unlink()
-    run = mapped(MAP, "--set-scatter", "attraction=3")
+    run = project(MAP, *THREE)
     assert run.returncode == 0, run.stdout
     assert run.stdout.count("Mapping tile") == 3
-    assert read_dataset(mapped.folder / MAP).drop_attrs().identical(one.drop_attrs())
+    config = yaml.safe_load((project.folder / "config/config.yaml").read_text(encoding="utf-8"))
+    settings = {key: value for key, value in given(config, "attraction").items() if key != "tiles"}
+    map_tile(settings, "1-of-1", tmp_path / "tile.nc", 1)
+    gather_map(settings, [tmp_path / "tile.nc"], tmp_path / "one.nc")
+    one, three = (read_dataset(path).drop_attrs() for path in (tmp_path / "one.nc", project.folder / MAP))
+    assert three.identical(one)
+    (project.folder / "change.yaml").write_text("attraction: {drive: {mass: 10.9}}")
+    jobs = {"Compiling the mapper", *(f"Mapping tile {k}-of-3" for k in (1, 2, 3)), "Gathering the tiles"}
+    assert project.plan(MAP, *THREE, "--configfile", "change.yaml") == jobs
