@@ -121,6 +121,7 @@ def _stationary(flow: Flow, arc: Arc, stiffness: float, inertia: float) -> list[
         return sign_changes(flow, arc, np.array([stiffness - inertia * a0, -inertia * a1, inertia * b]))
 
     def rate(times: Any) -> np.ndarray:
+        """k u + J w′ at times [s] of the arc."""
         states = states_on(flow, arc, times)
         whole, modes = np.column_stack([states, np.ones(len(states))]), np.full(len(states), arc.mode)
         pushed = flow.push[arc.mode, 1] * eta(flow, states, modes) * (whole @ flow.contact[arc.mode])

@@ -65,6 +65,7 @@ def _reader(form: type[NamedTuple]) -> Callable[[str], Any]:
     kinds = list(form.__annotations__.items())[1:]
 
     def read(text: str) -> Any:
+        """Read ``KEY=VALUE:…``, or refuse it in one sentence."""
         key, equals, value = text.partition("=")
         parts = value.split(":") if len(kinds) > 1 else [value]
         if not (key and equals and value) or len(parts) != len(kinds):

@@ -144,6 +144,7 @@ def _even_speeds(drive: Drive, sense: int, dampings: np.ndarray) -> np.ndarray:
     from lsvib.models.many import ManyDrives
 
     def evenly(speeds: np.ndarray) -> np.ndarray:
+        """Whether it ends in steady sliding, by its damping."""
         drives = ManyDrives({**dict(drive), "support_damping": dampings, "input_speed": sense * speeds})
         found = all_endings(drives, None).attractor
         if Attractor.UNRESOLVED in found:
@@ -162,8 +163,12 @@ def _beside(drive: Drive, table: Any, record: Any) -> dict[str, Any]:
 
     Speeds are recorded in whole rpm. A swing is the standard deviation about means over 31 samples, ten jerks.
     """
-    from lsvib.fit.stick_slip import static_friction_of
+    from lsvib.stability.solve import bracketed_root
     from lsvib.stability.starting import end_from_rest
+
+    def longer(static: float) -> float:
+        """By how much friction at rest makes the period longer than recorded; without jerks it is none."""
+        return float(np.nan_to_num(end_from_rest(drive.replace(static_friction_coefficient=static)).period)) - period
 
     def fast_share(speed: np.ndarray) -> float:
         return float(np.mean(np.round(speed / RPM) > 3))
@@ -172,7 +177,8 @@ def _beside(drive: Drive, table: Any, record: Any) -> dict[str, Any]:
         return float(np.std((torque - np.convolve(torque, np.full(31, 1 / 31), "same"))[15:-15]))
 
     sense, period = math.copysign(1.0, drive.input_speed), float(record.period[0])
-    static = static_friction_of(drive, period)
+    # a period grows with the friction at rest
+    static = bracketed_root(longer, 1.001 * (drive.friction_coefficient + drive.stribeck_rise), 3.0, 1e-9)
     averaged, fastest, balanced = _cycle(drive.replace(static_friction_coefficient=static))
     recorded, torque = sense * table.speed, sense * table.torque
     windows = np.linspace(0.02, 0.15, 131)

@@ -168,17 +168,6 @@ def breaking(jerks: Iterable[tuple[int, float, Record]]) -> tuple[list[tuple[flo
     return rows, max((error / abs(torque) for _, _, (torque, error) in known), default=0.0)
 
 
-def static_friction_of(drive: Drive, period: float) -> float:
-    """Return the friction at rest, up to 3 and to 1e-9, with which a drive that starts from rest has a period [s]."""
-    from scipy.optimize import brentq  # type: ignore[import-untyped]
-
-    def longer(static: float) -> float:  # without jerks the period is none, which is shorter
-        return float(np.nan_to_num(end_from_rest(drive.replace(static_friction_coefficient=static)).period)) - period
-
-    low = 1.001 * (drive.friction_coefficient + drive.stribeck_rise)
-    return float(brentq(longer, low, 3.0, xtol=1e-9))  # a period grows with the friction at rest
-
-
 def slowest(files: Iterable[Place]) -> list[Place]:
     """Return the slowest file of each direction under each load."""
     kept = {(math.copysign(1.0, at[0]), at[1]): at for at in sorted(files, key=lambda at: -abs(at[0]))}

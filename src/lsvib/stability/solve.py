@@ -229,6 +229,7 @@ def sign_changes(drive: Drive, unknown: str, gap: Gap, places: Sequence[float]) 
     """
 
     def defined(value: float) -> float:
+        """Return the gap at a value of the parameter; raises ``NoThreshold`` where it is not finite."""
         found = gap(drive.replace(**{unknown: zero_if_close(unknown, value)}))
         if not math.isfinite(found):
             raise NoThreshold

@@ -200,6 +200,7 @@ def _solution(drive: Drive, unknown: str, root: Root, words: str) -> ThresholdSo
     unit = described(unknown)["unit"]
 
     def derivative(name: str, slope: arb) -> Derivative:
+        """The derivative of the solution by a parameter, with its bounds and unit."""
         # What is not distinguished from zero is zero: a threshold may not depend on what is in its equation.
         numbers = (0.0 if slope.contains(0) else float(slope), *outwards(slope))
         value, low, high = (x if math.isfinite(x) else None for x in numbers)
