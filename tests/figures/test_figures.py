@@ -149,10 +149,7 @@ def test_no_variable_of_its_file_is_empty_and_a_motion_is_plotted_over_its_time(
         assert len(axes.get_title()) < 80
 
 
-FEW = default_figures()[::6]
-
-
-@pytest.mark.parametrize("figures", sizes([FEW], [[figure for figure in default_figures() if figure not in FEW]]))
+@pytest.mark.parametrize("figures", sizes([default_figures()[::6]], [default_figures()[3::6]], [default_figures()]))
 def test_every_figure_is_drawn_from_its_file_without_the_engine(figures, tmp_path):
     for figure in figures:
         write_dataset(dataset_of(figure), tmp_path / f"{figure}.nc")
@@ -302,8 +299,15 @@ def _observing_wrongly(assemble):
     return wrong
 
 
+LONG = {("measured_drive", "N"), *(("fig8_13", name) for name in "ΓNC")}  # each takes longer than those of ten figures
+
+
+def _by_hand(figure, name):
+    return figure in NOT_IN[name] or (figure, name) in LONG
+
+
 CASES = [
-    pytest.param(figure, name, marks=pytest.mark.search if figure in NOT_IN[name] else pytest.mark.slow)
+    pytest.param(figure, name, marks=pytest.mark.search if _by_hand(figure, name) else pytest.mark.slow)
     for figure, name in product(default_figures(), QUANTITIES)
 ]
 

@@ -15,6 +15,7 @@ from references.drives import DRIVES as KINDS
 from references.drives import threads_drive
 from references.exponential_sums import UNIT, Function
 from references.four_states_digits import FourStatesDrive, mode_name, simulate
+from references.sizes import sizes
 
 import lsvib.api  # noqa: F401  (the methods of drives)
 from lsvib.engine.kernels.layout import FIRST_MODEL_KIND
@@ -162,8 +163,7 @@ def test_cycles_of_a_drive_with_a_motor(name):
     assert [steady.period, steady.amplitude] == expected
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("name", DRIVES)
+@pytest.mark.parametrize("name", sizes([], ["soft coupling", "heavy rotor"], ["stiff coupling"]))
 def test_the_digits_are_those_of_newtons_laws(name):
     drive = dict(DRIVES[name])
     with mp.workdps(75):

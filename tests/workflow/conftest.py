@@ -47,13 +47,13 @@ class Project:
 
 @pytest.fixture
 def fresh(tmp_path: Path) -> Project:
-    return copy_of_sources(tmp_path / "project")
+    return without_engine(tmp_path / "project")
 
 
 @pytest.fixture(scope="session")
 def finished(tmp_path_factory: pytest.TempPathFactory) -> tuple[Project, str]:
     """Return a copy in which one complete run has been made, and what it printed. For reading only."""
-    project = copy_of_sources(tmp_path_factory.mktemp("finished") / "project")
+    project = without_engine(tmp_path_factory.mktemp("finished") / "project")
     run = project()
     assert run.returncode == 0, run.stdout
     return project, run.stdout
@@ -64,6 +64,14 @@ def built(finished: tuple[Project, str], tmp_path: Path) -> Project:
     """Return a copy of the finished project, to be changed."""
     shutil.copytree(finished[0].folder, tmp_path / "project")
     return Project(tmp_path / "project")
+
+
+def without_engine(folder: Path) -> Project:
+    """Return such a copy, of two figures without engine, whose jobs do not load it in vain."""
+    project = copy_of_sources(folder)
+    figures = 'name for name in _LIBRARIES if not name.startswith(("numba", "lsvib.dynamics"))'
+    project.edit("workflow/jobs.py", "forkserver_preload(_LIBRARIES)", f"forkserver_preload([{figures}])")
+    return project
 
 
 def copy_of_sources(folder: Path) -> Project:
