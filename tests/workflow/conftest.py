@@ -1,5 +1,6 @@
 """A copy of the project with a tiny configuration, and a way to run Snakemake in it."""
 
+import fcntl
 import os
 import shutil
 import subprocess
@@ -52,11 +53,21 @@ def fresh(tmp_path: Path) -> Project:
 
 @pytest.fixture(scope="session")
 def finished(tmp_path_factory: pytest.TempPathFactory) -> tuple[Project, str]:
-    """Return a copy in which one complete run has been made, and what it printed. For reading only."""
-    project = without_engine(tmp_path_factory.mktemp("finished") / "project")
-    run = project()
-    assert run.returncode == 0, run.stdout
-    return project, run.stdout
+    """Return a copy in which one complete run has been made, and what it printed. For reading only.
+
+    The first process of tests that needs it makes it for all.
+    """
+    own = tmp_path_factory.getbasetemp()
+    folder = (own.parent if "PYTEST_XDIST_WORKER" in os.environ else own) / "finished"
+    folder.mkdir(exist_ok=True)
+    said = folder / "said"
+    with (folder / "lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not said.exists():
+            run = without_engine(folder / "project")()
+            assert run.returncode == 0, run.stdout
+            said.write_text(run.stdout, encoding="utf-8")
+    return Project(folder / "project"), said.read_text(encoding="utf-8")
 
 
 @pytest.fixture
