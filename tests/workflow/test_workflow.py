@@ -149,14 +149,14 @@ def test_engine_is_compiled_first_for_the_figures_that_need_it(fresh):
 @pytest.mark.slow
 def test_a_figure_that_is_built_alone_fails_with_its_checks(built):
     change = "--config", "table_8_1={friction_coefficient: 0.23}"
-    run = built("results/figures/fig8_08.png", *change)
-    assert run.returncode == 1, run.stdout
+    for _ in range(2):  # and again when it is asked for again
+        run = built("results/figures/fig8_08.png", *change)
+        assert run.returncode == 1, run.stdout
     assert "1 check failed; the pictures lie in results/failed.\nfig8_08: Critical mass" in run.stdout
     assert "Done." not in run.stdout
     folder = built.folder / "results"
     assert (folder / "failed" / "fig8_08.png").is_file()
     assert not (folder / "figures" / "fig8_08.png").exists()
-    assert built.plan("results/figures/fig8_08.png", *change) == {"Drawing fig8_08"}  # and is judged again
 
 
 @pytest.mark.parametrize(
