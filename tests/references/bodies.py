@@ -94,9 +94,13 @@ class Bodies:
         ways = dict(word.split("_") for word in words)
         found = {"slip": SIGN[slip], "contact": SIGN[contact[0]] if contact else 0}
         for body, word in (("bearing", "screw"), ("slide", "nut")):
-            if self.p[f"{body}_friction"]:
+            if self.most(body):
                 found[body] = SIGN[ways[word]] if self.free(body) else SIGN[slip]
         return found
+
+    def most(self, body: str) -> float:
+        """What dry friction may hold a body with."""
+        return max(self.p[f"{body}_friction"], self.p[f"{body}_static_friction"])
 
     def system(self, state, mode: dict, t: float = 0.0) -> tuple[list[str], list[list], list]:
         """Names of accelerations, n, τ and held friction, and the equations of them at an absolute state."""
@@ -232,31 +236,45 @@ class Bodies:
                 found.append(run(time, state, times[-1]).y[:, -1])
         return np.array(found)
 
+    def margins(self, state: np.ndarray, mode: dict) -> dict:
+        """What a mode takes for granted, as numbers that are positive while it lasts.
+
+        By contact, direction (0 for what moves already) and unit: speeds and the contact force in their directions, and
+        friction that is left to what is at rest before it moves in a direction. Sizes do not matter.
+        """
+        p, found = self.p, self.forces(state, mode)
+        left = {}
+        if mode["contact"]:
+            left["contact", 0, "force"] = mode["contact"] * found["N" if "e" in self.place else "n"]
+        if mode["slip"]:
+            left["slip", 0, "speed"] = mode["slip"] * found["slip"]
+        else:
+            tied = {body: self.most(body) for body in ("bearing", "slide") if body in mode and not self.free(body)}
+            for way in (1, -1):
+                load = p["axial_force"] - way * tied["slide"] if "slide" in tied else found["n"]
+                spared = way * tied.get("bearing", 0.0)  # what the threads do not carry as slip begins
+                load -= spared * self.tangent / p["pitch_radius"] if "e" in self.place else 0.0
+                law = way * (mode["contact"] or sign(load) or way)
+                most = (self.lever(law, self.static()) + law * self.collar) * load
+                left["slip", way, "torque"] = way * (spared + most - found["tau"])
+        for body, name, unit in (("bearing", "screw", "torque"), ("slide", "travel", "force")):
+            if body in mode and self.free(body) and mode[body]:
+                left[body, 0, "speed" if body == "bearing" else "travel"] = mode[body] * found[name]
+            elif body in mode and self.free(body):
+                left |= {(body, way, unit): self.most(body) - way * found[body] for way in (1, -1)}
+        return left
+
     def excess(self, state: np.ndarray, mode: dict, size: np.ndarray) -> float:
         """By how much a state violates what its mode takes for granted, over the sizes of forces and speeds."""
         p, found = self.p, self.forces(state, mode)
-        force, speed = abs(p["axial_force"]) + abs(found["n"]) + p["slide_friction"] + 1e-6, size[1]
-        torque = p["pitch_radius"] * force + p["bearing_friction"] + p["coupling_stiffness"] * size[0]
-        broken = []
-        if mode["slip"]:
-            broken += [-mode["slip"] * found["slip"] / speed, -mode["contact"] * found["n"] / force]
-        else:
-            broken.append(abs(found["slip"]) / speed)
-            tied = {b: p[f"{b}_friction"] for b in ("bearing", "slide") if b in mode and not self.free(b)}
-            for way in (1, -1):
-                load = p["axial_force"] - way * p["slide_friction"] if "slide" in tied else found["n"]
-                spared = way * tied.get("bearing", 0)  # what the threads do not carry as slip begins
-                load -= spared * self.tangent / p["pitch_radius"] if "e" in self.place else 0
-                law = sign(way * load) or 1
-                most = (self.lever(law, self.static()) + law * self.collar) * load
-                broken.append(way * (found["tau"] - spared - most) / torque)
-        for body, name, limit in (("bearing", "screw", torque), ("slide", "travel", force)):
-            if body in mode and self.free(body):
-                own = speed if body == "bearing" else self.lead * speed
-                if mode[body]:
-                    broken.append(-mode[body] * found[name] / own)
-                else:
-                    broken += [abs(found[name]) / own, (abs(found[body]) - p[f"{body}_friction"]) / limit]
+        force = abs(p["axial_force"]) + abs(found["n"]) + self.most("slide") + 1e-6
+        torque = p["pitch_radius"] * force + self.most("bearing") + p["coupling_stiffness"] * size[0]
+        sizes = {"force": force, "torque": torque, "speed": size[1], "travel": self.lead * size[1]}
+        held = {"slip": sizes["speed"], "screw": sizes["speed"], "travel": sizes["travel"]}
+        broken = [-margin / sizes[unit] for (*_, unit), margin in self.margins(state, mode).items()]
+        for contact, name in (("slip", "slip"), ("bearing", "screw"), ("slide", "travel")):
+            if mode.get(contact, 1) == 0 and (contact == "slip" or self.free(contact)):
+                broken.append(abs(found[name]) / held[name])
         return max(broken)
 
     def free(self, body: str) -> bool:
