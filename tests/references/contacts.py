@@ -46,6 +46,8 @@ class Contacts(Bodies):
         super().__init__(drive)
         self.frictions = [body for body in ("bearing", "slide") if self.most(body)]
         self.dry = ["slip", *filter(self.free, self.frictions)]  # what may rest or move by itself
+        rates = [self.p["input_speed"] * (self.lead if name in "ye" else 1.0) for name in self.q]
+        self.sizes = np.abs(self.steady) + np.abs(np.kron(rates, [1e-3, 1.0]))  # rates over a millisecond
         speeds = [*speeds] or [self.p["input_speed"]]
         self.pieces = [(0.0, times[0], speeds[0], 0.0)] if len(times) and times[0] > 0 else []
         for k, (begin, end) in enumerate(pairwise(times)):
@@ -176,7 +178,7 @@ class Arc:
         if self.law:
             run = solve_ivp(
                 lambda t, x: self.laws.rate(t, x, self.mode), (time, times[-1]), state, "DOP853", times, rtol=3e-14,
-                atol=1e-16 * (np.abs(state) + np.abs(self.laws.steady)),
+                atol=1e-16 * self.laws.sizes,
             )  # fmt: skip
             return run.y.T
         place = self.place(time, state)
@@ -197,12 +199,10 @@ class Arc:
         while time < end:
             lasting = self.rates[self.rates.real * (time - self.begin) > -40.0]
             step = 0.1 / max(np.abs(lasting).max(), 1.0 / (end - self.begin))
-            if doubling:
-                times = time + step * 2.0 ** np.arange(-24, 1)
-            else:
-                times = time + step * np.arange(1, WINDOW + 1)
+            ahead = 2.0 ** np.arange(-24, 1) if doubling else np.arange(1, WINDOW + 1)
+            times = time + step * ahead
             if doubling or times[-1] >= end:
-                times = np.append(times[times < end], min(end, times[-1]))
+                times = np.unique(np.minimum(times, end))
                 states = self.through(time, state, times)
             else:
                 states = self.evenly(time, state, step)
