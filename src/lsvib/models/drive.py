@@ -107,7 +107,8 @@ IN_WORDS = {
     "nut": "a nut that may turn",
     "threads": "compliant threads",
 }
-DRY = ("slide_friction", "bearing_friction", "collar_friction")  # against the ground, not in the threads
+# Dry friction against the ground, not in the threads.
+DRY = ("slide_friction", "slide_static_friction", "bearing_friction", "bearing_static_friction", "collar_friction")
 _UNLESS_ZERO = (*friction.NAMES, *DRY, "collar_radius", "coupling_damping")
 
 Number = Annotated[float, BeforeValidator(number)]
@@ -153,9 +154,9 @@ class Drive(BaseModel):
     """A drive, in SI units; immutable, every value checked (Table 8.1 gives the defaults).
 
     It has a screw (I, c) on a coupling (k) behind a motor that turns at Ω, threads (r_m, λ, μ), and a load (m, c_x, R)
-    that a slide may brake (F_0) as a bearing may the screw (T_0), and a thrust collar in proportion to the axial force
-    (μ_b, r_b). These *parts* are there if their parameters are given (:mod:`lsvib.models.mechanism`); a part that is
-    not there is rigid:
+    that a slide may brake (F_0, at rest up to F_s) as a bearing may the screw (T_0, T_s), and a thrust collar in
+    proportion to the axial force (μ_b, r_b). These *parts* are there if their parameters are given
+    (:mod:`lsvib.models.mechanism`); a part that is not there is rigid:
 
     * a motor with a PI controller of its speed, T = K_p (Ω − θ_m′) + K_i ∫ (Ω − θ_m′) dt, so that K_i acts as a spring
       and K_p as a damper to the commanded motion: ``motor_inertia``, ``integral_gain``, ``speed_gain``; behind it the
@@ -211,8 +212,12 @@ class Drive(BaseModel):
         0.0, "mu_v", "s m-1", "slope of friction over the sliding speed", least=1e-18, ge=-1e6, le=1e6
     )
     slide_friction: Value = quantity(0.0, "F_0", "N", "Coulomb friction of the slide", least=1e-18, ge=0, le=1e12)
+    slide_static_friction: Value = quantity(0.0, "F_s", "N", "static friction of the slide", least=1e-18, ge=0, le=1e12)
     bearing_friction: Value = quantity(
         0.0, "T_0", "N m", "Coulomb friction of the screw support", least=1e-24, ge=0, le=1e12
+    )
+    bearing_static_friction: Value = quantity(
+        0.0, "T_s", "N m", "static friction of the screw support", least=1e-24, ge=0, le=1e12
     )
     collar_friction: Value = quantity(
         0.0, "mu_b", "1", "friction coefficient of the thrust collar", least=1e-18, ge=0, le=1e3
@@ -293,6 +298,14 @@ class Drive(BaseModel):
                 raise InputError(
                     f"{given[0]} is a parameter of {IN_WORDS[part]}, which {'needs' if part != 'threads' else 'need'} "
                     f"{' and '.join(missing)} as well."
+                )
+        for name in ("slide", "bearing"):
+            key, sliding = f"{name}_static_friction", getattr(self, f"{name}_friction")
+            static = getattr(self, key)
+            if static and static < sliding:
+                raise InputError(
+                    f"{key} = {static:g} is outside the allowed range 0 or {name}_friction = {sliding:g} "
+                    f"<= {key} <= 1e+12."
                 )
         if self.collar_friction:
             self._check_collar()
