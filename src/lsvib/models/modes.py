@@ -146,6 +146,7 @@ class Modes:
             parts=parts,
             shortest_stay=SHORT_STAY * np.minimum.reduce(np.broadcast_arrays(*scales)),
             rest_codes=tuple(self.codes[self.name(key)] for key in self.rests),
+            held_codes=tuple(self.codes[self.name(key)] for key in self.slips if 0 in key[2]),
             release_kinds=(Event.RELEASE,),
             **facts,
         )
