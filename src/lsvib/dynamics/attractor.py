@@ -53,7 +53,7 @@ class Attractor(IntEnum):
     SPRAG_SLIP_CYCLE = 2
     OTHER_CYCLE = 3  # a cycle of pure slip, in which nothing sticks
     UNBOUNDED = 4  # of compliant threads, and of parts of a drive; other drives have a bounded energy
-    REST = 5  # at rest for ever; never the label of a drive whose motor turns, which ends every rest
+    REST = 5  # at rest for ever, of drives that are let go: a motor that turns ends every rest
     NEUTRAL_FAMILY = 6  # undamped oscillations side by side, each periodic, none attracting the others
 
 
@@ -267,7 +267,8 @@ def _meant(automaton: Automaton, outcome: int, found: rule.Found, known: KnownCy
     if outcome == Outcome.KNOWN:
         return known.cycles[int(found.notes[0]["index"])]
     if outcome == Outcome.SLIDES:
-        return SteadyState(Attractor.STEADY_SLIDING, _equilibrium(automaton, mode, state.size))
+        label = Attractor.REST if automaton.stands else Attractor.STEADY_SLIDING
+        return SteadyState(label, _equilibrium(automaton, mode, state.size))
     if outcome == Outcome.RESTS:
         return SteadyState(Attractor.REST, state)
     if outcome == Outcome.GROWS:

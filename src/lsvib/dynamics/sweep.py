@@ -159,7 +159,11 @@ def _states_of(group: Group, drives: ManyDrives, starts: Starts | None) -> np.nd
 def _group_endings(drives: ManyDrives, group: Group, starts: np.ndarray) -> tuple[np.ndarray, np.recarray]:
     """Return which motions of a group (j), from ``starts`` (j, n), are done, and what these end on."""
     automaton, size, n = group.automaton, group.members.size, starts.shape[1]
-    found, done, flow = _unknown(size), group.safe & ~conserves(automaton), automaton.tables.flow
+    found, done, flow = (
+        _unknown(size),
+        group.safe & ~conserves(automaton) & (not automaton.stands),
+        automaton.tables.flow,
+    )
     if automaton.contracts:
         slides = done & (flow[..., layout.ALPHA] > 0).any(axis=1)
         _slide(group, slides, found)

@@ -83,7 +83,7 @@ class Automaton:
     ``condition`` is the largest amplification of rounding by the modal form of a mode, 1 for two states.
     ``rest_codes`` are the codes of the modes at rest, ``held_codes`` those of others in which friction holds a part,
     and ``release_kinds`` the kinds of the events that end rest; a motion sprags in modes of ``sprag_codes`` and at
-    events of ``sprag_kinds``. The model vouches for two facts:
+    events of ``sprag_kinds``. ``stands``: an equilibrium is rest, whatever its mode. The model vouches for two facts:
     ``passive``, energy enters as the work of constant forces only, so that no motion grows faster than in proportion to
     time; ``contracts``, slip makes every area of the phase plane smaller, or leaves every one as it is, and passing
     θ′ = 0 makes none larger (see docs/attraction.md).
@@ -100,6 +100,7 @@ class Automaton:
     release_kinds: tuple[int, ...] = ()
     sprag_codes: tuple[int, ...] = ()
     sprag_kinds: tuple[int, ...] = ()
+    stands: bool = False
     passive: bool = False
     contracts: bool = False
     engines: list[Any] = field(init=False, repr=False, compare=False, default_factory=list)  # left by runs

@@ -129,9 +129,9 @@ class LawModes(Modes):
     def _divide(
         self, modes: dict[str, Mode], seen: dict[str, dict[str, Row]], parts: dict[str, dict[str, Row]]
     ) -> None:
-        """Divide the mode of steady sliding where θ′ passes Ω, unless the commanded speed changes."""
+        """Divide the mode of steady sliding where θ′ passes Ω, unless there is none or the commanded speed changes."""
         m = self.m
-        if m.command:
+        if m.command or not m.turning:
             return
         steady = self.name((m.turning, m.steady_law * m.turning, ()))
         if f"{steady}_fast" in modes and sign(double(friction.steady_speed(m.d)) - self.low) > 0:

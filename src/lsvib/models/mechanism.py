@@ -113,7 +113,8 @@ class Mechanism:
         self.force = d.axial_force - self.reach * d.translation_damping * d.input_speed
         self.force = self.force - self.limits.get("slide", 0) * self.turning
         self.steady_law = -1 if sign(self.force * self.turning, "axial_force") < 0 else 1
-        self.twist = d.pitch_radius * xi[self.steady_law] * self.force  # torque of the threads
+        # torque of the threads, which do not slip where the drive is let go
+        self.twist = d.pitch_radius * xi[self.steady_law] * self.force if self.turning else 0
         torque = d.support_damping * d.input_speed + self.limits.get("bearing", 0) * self.turning + self.twist
         self.steady_torque = torque
         self.deflection = self.unit(0, -torque / d.coupling_stiffness)
@@ -139,12 +140,13 @@ class Mechanism:
 
     @cached_property
     def sizes(self) -> tuple[Any, ...]:
-        """Typical sizes of the coordinates: 0.1 rad, as in the cycles of Table 8.1, and Ω; none of the clock."""
+        """Typical sizes: 0.1 rad, as in the cycles of Table 8.1, and Ω or that in a swing; none of the clock."""
         return (*chain.from_iterable(map(self._size, self.parts)), *([0.0] if self.command else []))
 
     def _size(self, part: str) -> tuple[Any, Any]:
         d, speed = self.d, abs(double(self.d.input_speed))
         force, swing = abs(double(d.axial_force)) + 1.0, double(root(d.screw_inertia / d.coupling_stiffness))
+        speed = speed if self.turning else 0.1 / swing
         if part == "screw":
             return 0.1, speed
         if part == "support":
@@ -167,7 +169,9 @@ class Mechanism:
 
     @property
     def steady_normal_force(self) -> Any:
-        """Return N_0 of steady sliding [N] (eq. 8.15): N_0 (cos λ + s_0 μ sin λ) = R̃."""
+        """Return N_0 of steady sliding [N] (eq. 8.15): N_0 (cos λ + s_0 μ sin λ) = R̃; at rest R cos λ."""
+        if not self.turning:
+            return self.force * self.d.cos_lead
         return self.force / (self.d.cos_lead + self.steady_law * self.d.steady_friction * self.d.sin_lead)
 
     def rates(self, slips: bool, held: Iterable[str]) -> dict[str, Row]:

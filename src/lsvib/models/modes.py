@@ -67,6 +67,8 @@ class Modes:
     def __init__(self, mechanism: Mechanism, resume: Resume = "contact_sign") -> None:
         m = self.m = mechanism
         self.resume = resume
+        ahead = m.turning or 1
+        self.both = ahead, -ahead  # so that guards of the mirrored drive come in the same order
         self.codes = {name: code for code, name in enumerate(mode_names(m.own, m.sides))}
         self.low, self.high = self._speeds_without_paradox()  # [m/s]
         self.paradox = sign(self.low) > 0
@@ -135,6 +137,7 @@ class Modes:
         parts = self._parts(modes, seen)
         scales = [scale for mode in modes.values() for scale in mode.flow.time_scales] if not m.compliant else [0.0]
         facts: dict[str, Any] = {"passive": not m.compliant, "sprag_kinds": () if m.compliant else (Event.SEIZURE,)}
+        facts["stands"] = not m.turning
         if m.compliant and self.paradox:  # motions sprag under law s = +1
             facts["sprag_codes"] = tuple(self.codes[self.name(key)] for key in self.slips if key[0] * key[1] > 0)
         return dict(
@@ -208,7 +211,7 @@ class Modes:
 
     def _rest_guards(self, key: Key) -> tuple[Guard, ...]:
         (_, side, ways), here, m, guards = key, self.name(key), self.m, []
-        for d in (m.turning, -m.turning):  # the guards of the mirrored drive come in the same order
+        for d in self.both:
             q = -d if self.seizes else m.released(d, side)
             transition = self._release(key, "slip", d, (d, q, ways))
             left = self._left(ways, d, side)
@@ -249,7 +252,7 @@ class Modes:
                 snap = m.place[m.sliders[0]] + 1 if body == "slide" else 1
                 yield self._guard(f"{body}_speed", self._body_speed(body), way, name, snap)
                 continue
-            for onward in (m.turning, -m.turning):
+            for onward in self.both:
                 name = self._release(key, body, onward, (d, q, (*ways[:k], onward, *ways[k + 1 :])))
                 yield self._guard(f"{body}_hold_{DIRECTIONS[onward]}_{here}", self._room(key, body, onward), 1, name)
 

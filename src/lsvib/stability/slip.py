@@ -26,7 +26,7 @@ from flint import arb, arb_series
 
 from lsvib.errors import NoThreshold
 from lsvib.models import friction, mechanics
-from lsvib.models.drive import Drive
+from lsvib.models.drive import Drive, require_direction
 from lsvib.stability.solve import bracketed_root
 
 _AT_REST = {  # dry frictions of threads, guide and bearing, and what they are at rest
@@ -160,6 +160,7 @@ class SlipDrive:
         Raises ``NoThreshold`` where friction depends on the sliding speed, as slip has no closed form then, and for
         thresholds of motions with ``rest`` also where static friction is above that of sliding, as rest ends elsewhere.
         """
+        require_direction(drive)
         if wanted := friction.refusal(drive, rest):
             raise NoThreshold(f"the closed form of this threshold {wanted}.")
         return cls({name: arb(value) for name, value in drive}, 1 if drive.input_speed > 0 else -1)
