@@ -11,7 +11,8 @@ from lsvib.models.model import model_of
 def mapper(drive: Drive, physics: Sequence[str] | None = None) -> Mapper:
     """Return the mapper of a drive, ``physics`` as in a scene; raises ``InputError``.
 
-    For a rigid drive that is a ``PlanarMapper`` or, under a friction law, a ``LawMapper``; else a ``StateMapper``.
+    For a rigid drive whose motor turns that is a ``PlanarMapper`` or, under a friction law, a ``LawMapper``; else a
+    ``StateMapper``.
 
     >>> import lsvib
     >>> from lsvib.basins.grid import Axis, Grid
@@ -22,7 +23,7 @@ def mapper(drive: Drive, physics: Sequence[str] | None = None) -> Mapper:
     """
     definition = model_of(drive)
     physics = (*definition.terms, *definition.options) if physics is None else tuple(physics)
-    if not drive.rigid:
+    if not (drive.rigid and drive.input_speed):
         from lsvib.basins.slice_mapper import StateMapper  # each with kernels of its own
 
         return StateMapper(drive, physics)

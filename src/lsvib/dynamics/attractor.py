@@ -51,9 +51,9 @@ class Attractor(IntEnum):
     STEADY_SLIDING = 0
     STICK_SLIP_CYCLE = 1
     SPRAG_SLIP_CYCLE = 2
-    OTHER_CYCLE = 3  # a cycle of pure slip
+    OTHER_CYCLE = 3  # a cycle of pure slip, in which nothing sticks
     UNBOUNDED = 4  # of compliant threads, and of parts of a drive; other drives have a bounded energy
-    REST = 5  # at rest for ever; never the label of a drive whose motor turns, which ends every rest
+    REST = 5  # at rest for ever, of drives that are let go: a motor that turns ends every rest
     NEUTRAL_FAMILY = 6  # undamped oscillations side by side, each periodic, none attracting the others
 
 
@@ -234,8 +234,15 @@ def facts_of(automaton: Automaton) -> rule.Facts:
     """Return what the rule needs to know of the modes and events of a model."""
     codes, sprag_kinds = automaton.codes, np.zeros(128, dtype=bool)  # kinds of events are numbers of eight bits
     sprag_kinds[list(automaton.sprag_kinds)] = True
-    rests = np.isin(codes, automaton.rest_codes)
-    return rule.Facts(rests, np.isin(codes, automaton.sprag_codes), sprag_kinds, bool(np.all(conserves(automaton))))
+    rests, sticks = (np.isin(codes, some) for some in (automaton.rest_codes, sticking_codes(automaton)))
+    return rule.Facts(
+        rests, sticks, np.isin(codes, automaton.sprag_codes), sprag_kinds, bool(np.all(conserves(automaton)))
+    )
+
+
+def sticking_codes(automaton: Automaton) -> tuple[int, ...]:
+    """Return the codes of the modes in which friction holds the threads or another part."""
+    return (*automaton.rest_codes, *automaton.held_codes)
 
 
 def conserves(automaton: Automaton) -> np.ndarray:
@@ -260,7 +267,8 @@ def _meant(automaton: Automaton, outcome: int, found: rule.Found, known: KnownCy
     if outcome == Outcome.KNOWN:
         return known.cycles[int(found.notes[0]["index"])]
     if outcome == Outcome.SLIDES:
-        return SteadyState(Attractor.STEADY_SLIDING, _equilibrium(automaton, mode, state.size))
+        label = Attractor.REST if automaton.stands else Attractor.STEADY_SLIDING
+        return SteadyState(label, _equilibrium(automaton, mode, state.size))
     if outcome == Outcome.RESTS:
         return SteadyState(Attractor.REST, state)
     if outcome == Outcome.GROWS:
@@ -313,7 +321,7 @@ def _cycle(automaton: Automaton, found: rule.Found, known: KnownCycles) -> Stead
     neutral = facts.conserves and abs(leading) > 1 - ON_CIRCLE and label != Attractor.SPRAG_SLIP_CYCLE
     modes, _, _, durations = orbit.arcs()
     # part of a period for which the largest of a neutral family seems to rest where it touches θ′ = 0
-    brief = label == Attractor.STICK_SLIP_CYCLE and durations[facts.rests[modes]].sum() <= 1e-6 * orbit.end_time
+    brief = label == Attractor.STICK_SLIP_CYCLE and durations[facts.sticks[modes]].sum() <= 1e-6 * orbit.end_time
     label = Attractor.NEUTRAL_FAMILY if neutral or (facts.conserves and brief) else label
     size = np.maximum(np.abs(orbit.after).max(axis=0), np.finfo(float).tiny)
     residual = float(np.max(np.abs(orbit.end_state - state) / size))
@@ -321,11 +329,11 @@ def _cycle(automaton: Automaton, found: rule.Found, known: KnownCycles) -> Stead
 
 
 def cycle_label(orbit: Motion) -> Attractor:
-    """Return the label of a cycle that is no family: sprag–slip if it sprags, stick–slip if it rests, else other."""
+    """Return the label of a cycle that is no family: sprag–slip if it sprags, stick–slip if a part sticks, or other."""
     automaton, codes = orbit.automaton, orbit.automaton.codes[orbit.arcs()[0]]
     if np.isin(orbit.kind, automaton.sprag_kinds).any() or np.isin(codes, automaton.sprag_codes).any():
         return Attractor.SPRAG_SLIP_CYCLE
-    return Attractor.STICK_SLIP_CYCLE if np.isin(codes, automaton.rest_codes).any() else Attractor.OTHER_CYCLE
+    return Attractor.STICK_SLIP_CYCLE if np.isin(codes, sticking_codes(automaton)).any() else Attractor.OTHER_CYCLE
 
 
 def largest(slopes: np.ndarray) -> np.ndarray:

@@ -67,7 +67,7 @@ class Cycle:
 
     @property
     def label(self) -> Attractor:
-        """Sprag–slip if it sprags, stick–slip if it rests, else other; neutral if it is one of a family."""
+        """Sprag–slip if it sprags, stick–slip if a part sticks, else other; neutral if it is one of a family."""
         return Attractor.NEUTRAL_FAMILY if self.neutral else cycle_label(self.orbit)
 
     @property

@@ -22,12 +22,13 @@ from lsvib.dynamics.attractor import (
     orbit_extremes,
     records,
     steady_state,
+    sticking_codes,
 )
 from lsvib.dynamics.impulses import balances, event_impulses
 from lsvib.dynamics.kernels import sweep as kernels
 from lsvib.dynamics.kernels.attractor import end_of
 from lsvib.dynamics.kernels.single_mode import Outcome
-from lsvib.dynamics.kernels.sweep import RESTS, REVERSES, SPRAGS
+from lsvib.dynamics.kernels.sweep import REVERSES, SPRAGS, STICKS
 from lsvib.dynamics.machine import extremes_of, machine_for, of_one_type
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import jit, layout
@@ -46,7 +47,7 @@ _WITHOUT_NUMBERS = (Attractor.UNRESOLVED, Attractor.UNBOUNDED)
 ENDING = np.dtype(
     [
         ("attractor", np.int8),  # of :class:`lsvib.dynamics.attractor.Attractor`
-        ("happens", np.int8),  # on a cycle: the sum of those of SPRAGS, RESTS and REVERSES that do
+        ("happens", np.int8),  # on a cycle: the sum of those of SPRAGS, STICKS and REVERSES that do
         ("amplitude", float),  # [rad] half the peak-to-peak of u
         ("period", float),  # [s]
         ("multiplier", float),  # [1] of the return map, the largest
@@ -78,7 +79,7 @@ def ending_of(drive: Drive, automaton: Automaton, state: np.ndarray) -> Any:
         ending.amplitude = np.nan
     ending.happens = (
         SPRAGS * (found.label == Attractor.SPRAG_SLIP_CYCLE)
-        + RESTS * bool(np.isin(automaton.codes[orbit.arcs()[0]], automaton.rest_codes).any())
+        + STICKS * bool(np.isin(automaton.codes[orbit.arcs()[0]], sticking_codes(automaton)).any())
         + REVERSES * bool((orbit.kind == Event.CONTACT_REVERSAL).any())
     )
     if np.isin(orbit.kind, automaton.sprag_kinds).any():
@@ -158,7 +159,11 @@ def _states_of(group: Group, drives: ManyDrives, starts: Starts | None) -> np.nd
 def _group_endings(drives: ManyDrives, group: Group, starts: np.ndarray) -> tuple[np.ndarray, np.recarray]:
     """Return which motions of a group (j), from ``starts`` (j, n), are done, and what these end on."""
     automaton, size, n = group.automaton, group.members.size, starts.shape[1]
-    found, done, flow = _unknown(size), group.safe & ~conserves(automaton), automaton.tables.flow
+    found, done, flow = (
+        _unknown(size),
+        group.safe & ~conserves(automaton) & (not automaton.stands),
+        automaton.tables.flow,
+    )
     if automaton.contracts:
         slides = done & (flow[..., layout.ALPHA] > 0).any(axis=1)
         _slide(group, slides, found)
@@ -187,7 +192,7 @@ def _group_endings(drives: ManyDrives, group: Group, starts: np.ndarray) -> tupl
     cycles = outcomes == Outcome.CYCLE
     found.happens[:] = answers.bits
     bits = answers.bits[cycles]
-    labels = np.where(bits & RESTS, Attractor.STICK_SLIP_CYCLE, Attractor.OTHER_CYCLE)
+    labels = np.where(bits & STICKS, Attractor.STICK_SLIP_CYCLE, Attractor.OTHER_CYCLE)
     found.attractor[cycles] = np.where(bits & SPRAGS, Attractor.SPRAG_SLIP_CYCLE, labels)
     for name in kernels.NUMBERS.names or ():
         found[name][cycles] = answers.numbers[name][cycles]

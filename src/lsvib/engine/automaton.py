@@ -81,8 +81,9 @@ class Automaton:
     ``observables[name]`` has shape (modes, n + 1): the affine function of the state that gives the quantity in each
     mode; under a friction law ``parts[name]`` of it counts η times (:class:`lsvib.engine.kernels.layout.TaylorFlow`).
     ``condition`` is the largest amplification of rounding by the modal form of a mode, 1 for two states.
-    ``rest_codes`` are the codes of the modes at rest, and ``release_kinds`` the kinds of the events that end rest; a
-    motion sprags in modes of ``sprag_codes`` and at events of ``sprag_kinds``. The model vouches for two facts:
+    ``rest_codes`` are the codes of the modes at rest, ``held_codes`` those of others in which friction holds a part,
+    and ``release_kinds`` the kinds of the events that end rest; a motion sprags in modes of ``sprag_codes`` and at
+    events of ``sprag_kinds``. ``stands``: an equilibrium is rest, whatever its mode. The model vouches for two facts:
     ``passive``, energy enters as the work of constant forces only, so that no motion grows faster than in proportion to
     time; ``contracts``, slip makes every area of the phase plane smaller, or leaves every one as it is, and passing
     θ′ = 0 makes none larger (see docs/attraction.md).
@@ -95,9 +96,11 @@ class Automaton:
     parts: dict[str, np.ndarray] = field(repr=False, default_factory=dict)
     condition: float = 1.0
     rest_codes: tuple[int, ...] = ()
+    held_codes: tuple[int, ...] = ()
     release_kinds: tuple[int, ...] = ()
     sprag_codes: tuple[int, ...] = ()
     sprag_kinds: tuple[int, ...] = ()
+    stands: bool = False
     passive: bool = False
     contracts: bool = False
     engines: list[Any] = field(init=False, repr=False, compare=False, default_factory=list)  # left by runs

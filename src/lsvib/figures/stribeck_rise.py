@@ -100,7 +100,7 @@ def build(settings: of.Values, analysis: xr.Dataset) -> xr.Dataset:
 
 def _forces(drive: Drive) -> tuple[float, float, float]:
     """Onset force [N] of a drive, and by bisection, from its motions, stick and detach force."""
-    from lsvib.dynamics.sweep import RESTS, REVERSES, ending_of
+    from lsvib.dynamics.sweep import REVERSES, STICKS, ending_of
     from lsvib.models.rigid import rigid_automaton
 
     def happens(force: float) -> int:
@@ -109,7 +109,7 @@ def _forces(drive: Drive) -> tuple[float, float, float]:
         return int(ending_of(here, rigid_automaton(here), np.array([0.05, 0.0])).happens)
 
     onset = least_onset_force(drive)
-    stick = bisected(lambda force: bool(happens(force) & RESTS), 1.2 * onset, 4 * onset, 1e-4)
+    stick = bisected(lambda force: bool(happens(force) & STICKS), 1.2 * onset, 4 * onset, 1e-4)
     return onset, stick, bisected(lambda force: not happens(force) & REVERSES, stick, 4 * onset, 1e-4)
 
 

@@ -51,10 +51,9 @@ def forget() -> None:
 
 @dataclass(frozen=True)
 class Least:
-    """The least magnitude of a parameter that is not zero; ``zero`` says whether it may be zero."""
+    """The least magnitude of a parameter that is not zero."""
 
     magnitude: float
-    zero: bool = True
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
         """Check this bound after the others."""
@@ -66,10 +65,10 @@ class Least:
         sides: list[dict[str, float]] = [{"minimum": self.magnitude}]
         if rule.get("minimum", 0) < 0:
             sides.insert(0, {"maximum": -self.magnitude})
-        return {**rule, "anyOf": [*([{"const": 0}] if self.zero else []), *sides]}
+        return {**rule, "anyOf": [{"const": 0}, *sides]}
 
     def _checked(self, value: float) -> float:
-        if abs(value) >= self.magnitude or (self.zero and value == 0):
+        if abs(value) >= self.magnitude or value == 0:
             return value
         raise PydanticCustomError("too_close_to_zero", "is too close to zero")
 
@@ -85,7 +84,7 @@ def range_in_words(name: str, rule: Mapping[str, Any]) -> str:
         elif "exclusiveMinimum" in rule:
             rule = {"minimum": least, "maximum": rule["maximum"]}
         else:
-            zero = "0 or " if {"const": 0} in alternatives and "not" not in rule else ""
+            zero = "0 or " if "not" not in rule else ""
             size = f"|{name}|" if rule["minimum"] < 0 else name
             rule = {**rule, "minimum": least}
     low = [f"{rule[k]:g} {sign} " for k, sign in (("minimum", "<="), ("exclusiveMinimum", "<")) if k in rule]
@@ -107,7 +106,8 @@ IN_WORDS = {
     "nut": "a nut that may turn",
     "threads": "compliant threads",
 }
-DRY = ("slide_friction", "bearing_friction", "collar_friction")  # against the ground, not in the threads
+# Dry friction against the ground, not in the threads.
+DRY = ("slide_friction", "slide_static_friction", "bearing_friction", "bearing_static_friction", "collar_friction")
 _UNLESS_ZERO = (*friction.NAMES, *DRY, "collar_radius", "coupling_damping")
 
 Number = Annotated[float, BeforeValidator(number)]
@@ -134,18 +134,17 @@ _RANGES: dict[str, dict[str, Any]] = {  # of inertias, springs and dampers, by t
 }
 
 
-def quantity(default: float | None, symbol: str, unit: str, long_name: str, zero: bool = True, **bounds: Any) -> Any:
+def quantity(default: float | None, symbol: str, unit: str, long_name: str, **bounds: Any) -> Any:
     """Return the field of a parameter: its default, how it is written, its SI unit, its name, and its range.
 
     The range, where it is not that of its unit, is given in words of pydantic: ``gt``, ``ge``, ``lt`` and ``le`` for >,
-    ≥, < and ≤. ``least`` is the least magnitude of a parameter that has either sign or may be zero, ``zero`` says
-    whether it may.
+    ≥, < and ≤. ``least`` is the least magnitude of a parameter that may be zero, where it is not.
     """
     words, bounds = {"symbol": symbol, "unit": unit, "long_name": long_name}, dict(bounds or _RANGES[unit])
     least = bounds.pop("least", 0.0)
     field = Field(default=default, json_schema_extra={**words}, **bounds)
     if least:
-        field.metadata.append(Least(least, zero))
+        field.metadata.append(Least(least))
     return field
 
 
@@ -153,9 +152,10 @@ class Drive(BaseModel):
     """A drive, in SI units; immutable, every value checked (Table 8.1 gives the defaults).
 
     It has a screw (I, c) on a coupling (k) behind a motor that turns at Ω, threads (r_m, λ, μ), and a load (m, c_x, R)
-    that a slide may brake (F_0) as a bearing may the screw (T_0), and a thrust collar in proportion to the axial force
-    (μ_b, r_b). These *parts* are there if their parameters are given (:mod:`lsvib.models.mechanism`); a part that is
-    not there is rigid:
+    that a slide may brake (F_0, at rest up to F_s) as a bearing may the screw (T_0, T_s), and a thrust collar in
+    proportion to the axial force (μ_b, r_b). These *parts* are there if their parameters are given
+    (:mod:`lsvib.models.mechanism`); a part that is not there is rigid. With Ω = 0 the drive is let go, and u
+    is the deflection of the coupling:
 
     * a motor with a PI controller of its speed, T = K_p (Ω − θ_m′) + K_i ∫ (Ω − θ_m′) dt, so that K_i acts as a spring
       and K_p as a damper to the commanded motion: ``motor_inertia``, ``integral_gain``, ``speed_gain``; behind it the
@@ -191,9 +191,7 @@ class Drive(BaseModel):
     coupling_stiffness: Value = quantity(1.0, "k", "N m rad-1", "torsional stiffness of the coupling")
     support_damping: Value = quantity(2e-4, "c", "N m s rad-1", "rotational damping of the support")
     friction_coefficient: Value = quantity(0.218, "mu", "1", "friction coefficient of the threads", least=1e-18, ge=0)
-    input_speed: Value = quantity(
-        40.0, "Omega", "rad s-1", "input angular speed", least=1e-12, zero=False, ge=-1e9, le=1e9
-    )
+    input_speed: Value = quantity(40.0, "Omega", "rad s-1", "input angular speed", least=1e-12, ge=-1e9, le=1e9)
     mass: Value = quantity(1.0, "m", "kg", "translating mass")
     translation_damping: Value = quantity(0.0, "c_x", "N s m-1", "damping of the translating mass")
     axial_force: Value = quantity(50.0, "R", "N", "axial force on the translating mass", least=1e-18, ge=-1e12, le=1e12)
@@ -211,8 +209,12 @@ class Drive(BaseModel):
         0.0, "mu_v", "s m-1", "slope of friction over the sliding speed", least=1e-18, ge=-1e6, le=1e6
     )
     slide_friction: Value = quantity(0.0, "F_0", "N", "Coulomb friction of the slide", least=1e-18, ge=0, le=1e12)
+    slide_static_friction: Value = quantity(0.0, "F_s", "N", "static friction of the slide", least=1e-18, ge=0, le=1e12)
     bearing_friction: Value = quantity(
         0.0, "T_0", "N m", "Coulomb friction of the screw support", least=1e-24, ge=0, le=1e12
+    )
+    bearing_static_friction: Value = quantity(
+        0.0, "T_s", "N m", "static friction of the screw support", least=1e-24, ge=0, le=1e12
     )
     collar_friction: Value = quantity(
         0.0, "mu_b", "1", "friction coefficient of the thrust collar", least=1e-18, ge=0, le=1e3
@@ -293,6 +295,14 @@ class Drive(BaseModel):
                 raise InputError(
                     f"{given[0]} is a parameter of {IN_WORDS[part]}, which {'needs' if part != 'threads' else 'need'} "
                     f"{' and '.join(missing)} as well."
+                )
+        for name in ("slide", "bearing"):
+            key, sliding = f"{name}_static_friction", getattr(self, f"{name}_friction")
+            static = getattr(self, key)
+            if static and static < sliding:
+                raise InputError(
+                    f"{key} = {static:g} is outside the allowed range 0 or {name}_friction = {sliding:g} "
+                    f"<= {key} <= 1e+12."
                 )
         if self.collar_friction:
             self._check_collar()
@@ -444,6 +454,15 @@ def sentence_about(model: type[BaseModel], error: ValidationError) -> str:
     return f"{key} = {value} is not acceptable: {first['msg']}."
 
 
+def require_direction(drive: Drive) -> None:
+    """Raise ``InputError`` for a drive that is let go, which has no steady sliding."""
+    if not drive.input_speed:
+        raise InputError(
+            "input_speed = 0 lets the drive go, so there is no steady sliding to tell of; give it another value, or "
+            "follow motions by simulate, steady_state, sweep or attraction."
+        )
+
+
 def described(key: str) -> dict[str, str]:
     """Return the ``symbol``, ``unit`` and ``long_name`` of a parameter."""
     extra = Drive.model_fields[key].json_schema_extra
@@ -463,8 +482,8 @@ def allowed_range(model: type[BaseModel], key: str) -> str:
 
 
 def may_vanish(key: str) -> bool:
-    """Whether a parameter may be zero."""
-    return any(isinstance(bound, Least) and bound.zero for bound in Drive.model_fields[key].metadata)
+    """Whether a parameter may be zero in steady sliding."""
+    return key != "input_speed" and any(isinstance(bound, Least) for bound in Drive.model_fields[key].metadata)
 
 
 def zero_if_close(key: str, value: float) -> float:
@@ -472,5 +491,5 @@ def zero_if_close(key: str, value: float) -> float:
 
     Steps across zero and halvings of an interval towards it come there by rounding.
     """
-    least = [bound for bound in Drive.model_fields[key].metadata if isinstance(bound, Least) and bound.zero]
+    least = [bound for bound in Drive.model_fields[key].metadata if isinstance(bound, Least)]
     return 0.0 if least and abs(value) < least[0].magnitude else value

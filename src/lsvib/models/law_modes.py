@@ -121,8 +121,7 @@ class LawModes(Modes):
             # distance: here it is below rounding. Nearer to it, the rounding of Γ₊ itself makes steps short.
             self._bound(modes, plus_name, f"jam_{where}", d, low * (1 + 3e-9), 1, f"contact_{minus}")
             above = self.surfaces[f"jam_{where}"].row, Test.POSITIVE
-            carries = self._carries(d, d, ())
-            starts += [Branch(plus_name, Event.RELEASE, (above, *sides)) for sides in carries]
+            starts.append(Branch(plus_name, Event.RELEASE, (above, *self._carries(d, d, ()))))
             starts.append(Branch(fast, Event.RELEASE, (above,)))
         self.transitions["entry"] = Transition((*starts, *self.transitions["entry"].branches))
         return found
@@ -130,9 +129,9 @@ class LawModes(Modes):
     def _divide(
         self, modes: dict[str, Mode], seen: dict[str, dict[str, Row]], parts: dict[str, dict[str, Row]]
     ) -> None:
-        """Divide the mode of steady sliding where θ′ passes Ω, unless the commanded speed changes."""
+        """Divide the mode of steady sliding where θ′ passes Ω, unless there is none or the commanded speed changes."""
         m = self.m
-        if m.command:
+        if m.command or not m.turning:
             return
         steady = self.name((m.turning, m.steady_law * m.turning, ()))
         if f"{steady}_fast" in modes and sign(double(friction.steady_speed(m.d)) - self.low) > 0:

@@ -40,9 +40,10 @@ class ManyDrives:
 
     @property
     def plain(self) -> np.ndarray:
-        """Whether they are rigid drives (k), without parts and friction against the ground, with constant friction."""
+        """Whether they are rigid drives that turn (k), without friction against the ground, with constant friction."""
         more = [self.values[name] != 0 for name in (*DRY, *friction.OF_SPEED) if name in self.values]
-        return ~np.any([*more, np.full(self.size, not PART_OF.keys().isdisjoint(self.values))], axis=0)
+        parts = np.full(self.size, not PART_OF.keys().isdisjoint(self.values))
+        return ~np.any([*more, parts, self.values["input_speed"] == 0], axis=0)
 
     def one(self, entry: int) -> Drive:
         """Return one of the drives."""

@@ -17,7 +17,7 @@ from flint import arb
 from lsvib.engine.automaton import Row, scaled
 from lsvib.engine.exact.arithmetic import added, many_digits, multiplied, nothing, root, sign
 from lsvib.models import friction
-from lsvib.models.drive import PARTS, Drive, once
+from lsvib.models.drive import PARTS, Drive, once, require_direction
 from lsvib.models.names import BODIES
 
 Polynomial = tuple[Any, ...]  # highest power first
@@ -113,7 +113,8 @@ def by_law(d: Any, mu: Any) -> tuple[dict[int, Any], dict[int, Any], dict[int, A
 
 @once
 def coefficients(drive: Drive) -> Coefficients:
-    """Return the coefficients of eqs (8.13)–(8.17) for a drive, as balls."""
+    """Return the coefficients of eqs (8.13)–(8.17) for a drive, as balls; ``InputError`` for one that is let go."""
+    require_direction(drive)
     return coefficients_of(drive.exact())
 
 

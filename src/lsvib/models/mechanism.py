@@ -77,8 +77,9 @@ class Mechanism:
     ``slowest``: μ of slow sliding; ``command``: Ω_0 [rad/s] and α [rad/s²] of a commanded speed that changes, by the
     clock.
 
-    ``states`` names the coordinates, ``place`` says where the displacement of a part stands among them; ``own`` are the
-    frictions whose body may slide or be held while the threads slip: elsewhere its speed is that of the slip.
+    ``states`` names the coordinates, ``place`` says where the displacement of a part stands among them. Of slide and
+    bearing ``limits`` are the frictions in sliding [N, N m], ``holding`` those at rest; ``own`` are those whose body
+    may slide or be held while the threads slip: elsewhere its speed is that of the slip.
     ``speed`` is the row of θ′, ``slip`` that of ω, ``nut_speed`` that of x′, ``deflection`` that of z, ``commanded``
     that of Ω(t), ``away`` that of u′; ``force`` [N] and ``steady_law``, s_0, are those of steady sliding; ``sides``:
     the signs of n at rest, or 0 alone where it is constant; ``compliant``: whether the threads are.
@@ -92,8 +93,10 @@ class Mechanism:
         self.place = {part: 2 * k for k, part in enumerate(self.parts)}
         self.compliant = "threads" in parts
         self.bodies = [part for part in self.parts if part in BODIES]
-        dry = {"bearing": d.bearing_friction, "slide": d.slide_friction}
-        self.limits = {name: limit for name, limit in dry.items() if sign(limit)}
+        sliding = {"bearing": d.bearing_friction, "slide": d.slide_friction}
+        static = {"bearing": d.bearing_static_friction, "slide": d.slide_static_friction}
+        self.limits = {name: limit for name, limit in sliding.items() if sign(limit) or sign(static[name])}
+        self.holding = {name: static[name] if sign(static[name]) else self.limits[name] for name in self.limits}
         self.own = own_frictions(self.parts, [f"{name}_friction" for name in self.limits])
         self.tied = tuple(name for name in self.limits if name not in self.own)
         self.sides = sides_of_rest(self.parts)
@@ -101,7 +104,8 @@ class Mechanism:
         self.commanded = self.constant(d.input_speed)
         if command:
             self.commanded = (*(0 for _ in self.states[1:]), command[1], command[0])
-        self.same = sign(d.static_friction_coefficient) == 0  # rest then holds as much as slow sliding carries
+        # rest then holds as much as slow sliding carries
+        self.same = not any(map(sign, (d.static_friction_coefficient, *static.values())))
         self.turning = sign(d.input_speed)
         xi = {s: self._factor(d.steady_friction, s) for s in (1, -1)}
         self.xi_rest = {s: self._factor(d.static_friction, s) for s in xi}
@@ -109,7 +113,8 @@ class Mechanism:
         self.force = d.axial_force - self.reach * d.translation_damping * d.input_speed
         self.force = self.force - self.limits.get("slide", 0) * self.turning
         self.steady_law = -1 if sign(self.force * self.turning, "axial_force") < 0 else 1
-        self.twist = d.pitch_radius * xi[self.steady_law] * self.force  # torque of the threads
+        # torque of the threads, which do not slip where the drive is let go
+        self.twist = d.pitch_radius * xi[self.steady_law] * self.force if self.turning else 0
         torque = d.support_damping * d.input_speed + self.limits.get("bearing", 0) * self.turning + self.twist
         self.steady_torque = torque
         self.deflection = self.unit(0, -torque / d.coupling_stiffness)
@@ -135,12 +140,13 @@ class Mechanism:
 
     @cached_property
     def sizes(self) -> tuple[Any, ...]:
-        """Typical sizes of the coordinates: 0.1 rad, as in the cycles of Table 8.1, and Ω; none of the clock."""
+        """Typical sizes: 0.1 rad, as in the cycles of Table 8.1, and Ω or that in a swing; none of the clock."""
         return (*chain.from_iterable(map(self._size, self.parts)), *([0.0] if self.command else []))
 
     def _size(self, part: str) -> tuple[Any, Any]:
         d, speed = self.d, abs(double(self.d.input_speed))
         force, swing = abs(double(d.axial_force)) + 1.0, double(root(d.screw_inertia / d.coupling_stiffness))
+        speed = speed if self.turning else 0.1 / swing
         if part == "screw":
             return 0.1, speed
         if part == "support":
@@ -163,7 +169,9 @@ class Mechanism:
 
     @property
     def steady_normal_force(self) -> Any:
-        """Return N_0 of steady sliding [N] (eq. 8.15): N_0 (cos λ + s_0 μ sin λ) = R̃."""
+        """Return N_0 of steady sliding [N] (eq. 8.15): N_0 (cos λ + s_0 μ sin λ) = R̃; at rest R cos λ."""
+        if not self.turning:
+            return self.force * self.d.cos_lead
         return self.force / (self.d.cos_lead + self.steady_law * self.d.steady_friction * self.d.sin_lead)
 
     def rates(self, slips: bool, held: Iterable[str]) -> dict[str, Row]:
@@ -321,14 +329,14 @@ class Mechanism:
         if not side:
             contact, law = self.constant(self.load(direction)), self.released(direction, 0) * direction
         threads = plus(scaled(contact, self.d.pitch_radius * self.xi_rest[law]), scaled(rest.torque, -1))
-        bearing = self.limits["bearing"] if "bearing" in self.tied else 0
+        bearing = self.holding["bearing"] if "bearing" in self.tied else 0
         if self.compliant:  # n = N / cos λ + tan λ τ / r_m
             bearing = bearing * (1 - self.xi_rest[law] * self.d.tan_lead)
         return plus(scaled(threads, direction), self.constant(bearing))
 
     def load(self, direction: int) -> Any:
-        """R ∓ F_0 [N], which the threads carry as slip begins where n is constant at rest."""
-        return self.d.axial_force - (self.limits["slide"] * direction if "slide" in self.tied else 0)
+        """R ∓ F_s [N], which the threads carry as slip begins where n is constant at rest."""
+        return self.d.axial_force - (self.holding["slide"] * direction if "slide" in self.tied else 0)
 
     def released(self, direction: int, side: int) -> int:
         """Return the sign of n with which slip begins: the side of rest; without a force the threads resist."""
@@ -373,7 +381,7 @@ def standing(m: Mechanism) -> np.ndarray:
     """
     d, state = m.d, list[Any]([0] * len(m.states))
     state[:2] = -m.deflection[-1], -d.input_speed
-    left = abs(d.axial_force) - m.limits.get("slide", 0)
+    left = abs(d.axial_force) - m.holding.get("slide", 0)
     contact = left * sign(d.axial_force) if sign(left) > 0 else 0
     for part in m.bodies:
         load, carried = {"contact": (m.force, contact), "torque": (m.twist, 0)}.get(BODIES[part].pushed, (0, 0))

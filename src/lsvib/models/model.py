@@ -100,12 +100,14 @@ class Model:
         self, drive: Drive, physics: tuple[str, ...], resume: Resume, command: Command | None = None
     ) -> "Automaton":
         """Return the automaton of a drive; ``physics``: the terms and options that its scene has."""
-        if self.rigid and not command:
+        if self.rigid and drive.input_speed and not command:
             from lsvib.models.rigid import rigid_automaton
 
             return rigid_automaton(drive, rest="rest" in physics, resume=resume)
         if self.options and "rest" not in physics:
-            why = "whose commanded speed changes" if command else "with friction of slide or bearing"
+            why = (
+                "whose commanded speed changes" if command else "that is let go, or with friction of slide or bearing,"
+            )
             raise InputError(f"physics leaves out rest, which a drive {why} has; list rest.")
         from lsvib.models.law_modes import automaton_of_parts, automaton_under_command
 

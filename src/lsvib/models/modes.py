@@ -20,7 +20,7 @@ Static friction that is above that of slow sliding holds at ω = 0 wherever it c
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import cache
 from itertools import product
@@ -67,6 +67,8 @@ class Modes:
     def __init__(self, mechanism: Mechanism, resume: Resume = "contact_sign") -> None:
         m = self.m = mechanism
         self.resume = resume
+        ahead = m.turning or 1
+        self.both = ahead, -ahead  # so that guards of the mirrored drive come in the same order
         self.codes = {name: code for code, name in enumerate(mode_names(m.own, m.sides))}
         self.low, self.high = self._speeds_without_paradox()  # [m/s]
         self.paradox = sign(self.low) > 0
@@ -79,7 +81,7 @@ class Modes:
         self.surfaces: dict[str, Surface] = {}
         self.transitions: dict[str, Transition] = {}
         self._flows: dict[tuple[int, int, Ways], Any] = {}
-        self._solve, self._left, self._carries = cache(m.solve), cache(m.left), cache(self._ways_to_carry)
+        self._solve, self._left, self._carries = cache(m.solve), cache(m.left), cache(self._signed)
 
     def _speeds_without_paradox(self) -> tuple[Any, Any]:
         inertia, mass = self.m.effective()
@@ -135,6 +137,7 @@ class Modes:
         parts = self._parts(modes, seen)
         scales = [scale for mode in modes.values() for scale in mode.flow.time_scales] if not m.compliant else [0.0]
         facts: dict[str, Any] = {"passive": not m.compliant, "sprag_kinds": () if m.compliant else (Event.SEIZURE,)}
+        facts["stands"] = not m.turning
         if m.compliant and self.paradox:  # motions sprag under law s = +1
             facts["sprag_codes"] = tuple(self.codes[self.name(key)] for key in self.slips if key[0] * key[1] > 0)
         return dict(
@@ -146,6 +149,7 @@ class Modes:
             parts=parts,
             shortest_stay=SHORT_STAY * np.minimum.reduce(np.broadcast_arrays(*scales)),
             rest_codes=tuple(self.codes[self.name(key)] for key in self.rests),
+            held_codes=tuple(self.codes[self.name(key)] for key in self.slips if 0 in key[2]),
             release_kinds=(Event.RELEASE,),
             **facts,
         )
@@ -207,15 +211,9 @@ class Modes:
 
     def _rest_guards(self, key: Key) -> tuple[Guard, ...]:
         (_, side, ways), here, m, guards = key, self.name(key), self.m, []
-        for d in (m.turning, -m.turning):  # the guards of the mirrored drive come in the same order
+        for d in self.both:
             q = -d if self.seizes else m.released(d, side)
-            released = [Branch(self.name((d, q, ways)), Event.RELEASE)]
-            # with static friction alone n might turn over as slip begins
-            if not (m.same or self.paradox or m.compliant):
-                turns = (scaled(self.gauge(d, ways), -q), Test.POSITIVE)
-                released.insert(0, Branch(self.name((d, -q, ways)), Event.RELEASE, (turns,)))
-            transition = f"release_{DIRECTIONS[d]}_{here}"
-            self.transitions[transition] = Transition(tuple(released), reset=m.reset(True, self._held_in(ways)))
+            transition = self._release(key, "slip", d, (d, q, ways))
             left = self._left(ways, d, side)
             guards.append(self._guard(f"hold_{DIRECTIONS[d]}_{here}", left, 1, transition, 0 if m.compliant else None))
         if side and "bearing" in m.tied:  # the bearing holds on where n passes zero
@@ -224,6 +222,19 @@ class Modes:
             surface = f"contact_rest{self._suffix(ways)}"
             guards.append(self._guard(surface, self._at_rest(ways), side, f"contact_{here}"))
         return (*guards, *self._body_guards(key))
+
+    def _release(self, key: Key, last: str, onward: int, alone: Key) -> str:
+        """Return the name of the transition in which the threads or a body let go; ``alone``: the mode if others stay.
+
+        Where friction falls as it lets go, all forces jump, so that others may let go as well, or n turn over.
+        """
+        (d, _, ways), jumps = key, not (self.m.same or self.seizes)
+        where = f"{DIRECTIONS.get(d, 'rest')}{self._suffix(ways)}" if jumps else self.name(key)
+        name = f"{last}_release_{DIRECTIONS[onward]}_{where}"
+        if name not in self.transitions:
+            branches = self._outcomes(d, ways, last, onward) if jumps else [self._branch(alone, last, onward)]
+            self.transitions[name] = Transition(tuple(branches), reset=self.m.reset(d == 0, self._held_in(ways)))
+        return name
 
     def _at_rest(self, ways: Ways) -> Row:
         """Return the row whose sign is the side of rest."""
@@ -241,10 +252,8 @@ class Modes:
                 snap = m.place[m.sliders[0]] + 1 if body == "slide" else 1
                 yield self._guard(f"{body}_speed", self._body_speed(body), way, name, snap)
                 continue
-            for onward in (m.turning, -m.turning):
-                name, moves = f"{body}_release_{DIRECTIONS[onward]}_{here}", (*ways[:k], onward, *ways[k + 1 :])
-                branch = Branch(self.name((d, q, moves)), Event[f"{body}_release".upper()])
-                self.transitions[name] = Transition((branch,), reset=m.reset(d == 0, self._held_in(ways)))
+            for onward in self.both:
+                name = self._release(key, body, onward, (d, q, (*ways[:k], onward, *ways[k + 1 :])))
                 yield self._guard(f"{body}_hold_{DIRECTIONS[onward]}_{here}", self._room(key, body, onward), 1, name)
 
     def _body_speed(self, body: str) -> Row:
@@ -252,92 +261,95 @@ class Modes:
 
     def _room(self, key: Key, body: str, way: int) -> Row:
         """Friction that is left to keep a body from sliding one way."""
-        return plus(self.m.constant(self.m.limits[body]), scaled(self.solution(key).held[body], -way))
+        return plus(self.m.constant(self.m.holding[body]), scaled(self.solution(key).held[body], -way))
 
     # Where a speed comes to zero
 
-    def _stop(self, what: str, d: int, ways: Ways) -> Transition:
+    def _stop(self, last: str, d: int, ways: Ways) -> Transition:
         """Transition in which the threads (``slip``) or a body come to a stop, by trying what may then move or hold."""
         if self.seizes:
             return Transition(tuple(self._beyond_hold((Event.STICK, Event.REVERSAL))))
-        body = "" if what == "slip" else what
-        free = [*self._held_in(ways), *([body] if body else [])]
-        reset = self.m.reset(d == 0 or not body, free)
-        return Transition(tuple(self._consistent(d, ways, free, body)), reset=reset)
+        held = [*self._held_in(ways), *({last} & {*self.m.own})]
+        return Transition(tuple(self._outcomes(d, ways, last)), reset=self.m.reset(d == 0, held))
 
-    def _consistent(self, d: int, ways: Ways, free: list[str], body: str = "") -> Iterator[Branch]:
-        """Branches to the one mode whose accelerations, forces and signs agree; the last one takes what is left.
+    def _outcomes(self, d: int, ways: Ways, last: str = "", onward: int = 0) -> Iterator[Branch]:
+        """Branches to all that may follow an instant, in the order in which they are tried.
 
-        The threads slip in a direction d, or are at rest (0) and may begin to slip; the bodies go their ``ways``, but
-        those that are ``free`` are at rest and may begin to slide. What came to a stop, a ``body`` or the threads,
-        gives the event its kind.
+        Before it the threads slip in a direction d or stand (0), and the bodies go their ``ways``. Now the threads
+        (``slip``) or a body, ``last``, stop, or let go and move ``onward``; at the start of a motion neither. What
+        stands may stay or begin to move: more that stays comes first; of as much, rest of the threads before slip, then
+        what stood before. Each is kept only if what stands needs no more friction than it has at this instant and just
+        after it, and what begins to move is accelerated. What rounding has left goes to the first.
         """
-        kinds = [(1, -1, 0) if name in free else (way,) for name, way in zip(self.m.own, ways, strict=True)]
-        tried = [*product(*kinds)]
-        for now in tried:
-            last = now == tried[-1]
-            rests = [] if d else list(self._held(now, free, body))
-            yield from rests if not self.m.same else ()
-            for key in [(x, q, now) for x in ([d] if d else DIRECTIONS) for q in SIGNS]:
-                final = last and d and key[1] == [*SIGNS][-1]
-                starts = [] if d else [(scaled(rate_of(self.m.slip, self.solution(key).field), key[0]), Test.POSITIVE)]
-                agree = () if last and d else self._agree(key, free)
-                for carries in [()] if final else self._carries(*key):
-                    yield Branch(self.name(key), self._kind(key, body), (*carries, *starts, *agree))
-            yield from rests if self.m.same and not last else ()
-        if not d:
-            yield from self._rest(tried[-1], self._kind((0, 0, tried[-1]), body))
+        before = dict(zip(("slip", *self.m.own), (d, *ways), strict=True))
+        before |= {last: onward} if last else {}
+        stands = [name for name, way in before.items() if way == 0]
 
-    def _kind(self, key: Key, body: str) -> int:
+        def order(now: tuple[int, ...]) -> tuple[int, bool, int]:
+            begin = [name for name, way in zip(before, now, strict=True) if way and name in stands]
+            return len(begin), "slip" in begin, len({*begin} - {last})
+
+        found = sorted(product(*(HOW if way == 0 else (way,) for way in before.values())), key=order)
+        for way, *ways_now in found:
+            for key, carries in self._by_sign(way, tuple(ways_now)):
+                yield self._branch(key, last, onward, (*carries, *self._agree(key, stands)))
+        *others, (key, _) = self._by_sign(found[0][0], found[0][1:])
+        yield from (self._branch(other, last, onward, carries) for other, carries in others)
+        yield self._branch(key, last, onward)
+
+    def _branch(self, key: Key, last: str, onward: int = 0, conditions: tuple[Side, ...] = ()) -> Branch:
+        """Return the branch to a mode in which the threads or a body, ``last``, have stopped, or let go ``onward``."""
+        body = last if last in self.m.own else ""
         moves = key[2][self.m.own.index(body)] if body else key[0]
-        return Event[f"{body}_{'reversal' if moves else 'stick'}".strip("_").upper()]
+        what = "release" if onward else "reversal" if moves else "stick"
+        return Branch(self.name(key), Event[f"{body}_{what}".strip("_").upper()], conditions)
 
-    def _ways_to_carry(self, d: int, q: int, ways: Ways) -> list[tuple[Side, ...]]:
-        """Conditions under each of which n has the sign q, now or – if it is zero – at once, by its rates.
+    def _by_sign(self, direction: int, ways: Ways) -> list[tuple[Key, tuple[Side, ...]]]:
+        """The modes in which all move so, by the sign of n, with the conditions under which it has that sign."""
+        if direction:
+            return [((direction, q, ways), self._carries(direction, q, ways)) for q in SIGNS]
+        row = self._at_rest(ways)
+        signed = {side: ((scaled(row, side), Test.NOT_NEGATIVE),) if side else () for side in self.m.sides}
+        return [((0, side, ways), conditions) for side, conditions in signed.items()]
+
+    def _signed(self, d: int, q: int, ways: Ways) -> tuple[Side, ...]:
+        """Conditions under which n has the sign q in slip, now or – if it is zero – at once, by its rates.
 
         On n = 0 the first derivative that is not zero is the same under both laws, with any coefficient.
         """
         row, field = self.gauge(d, ways), self.solution((d, -d, ways)).field
         rate = rate_of(row, field)
         last = Test.POSITIVE if q > 0 else Test.NOT_NEGATIVE
-        now, next_one = (scaled(row, q), Test.POSITIVE), (scaled(rate, q), Test.POSITIVE)
-        further = (scaled(rate_of(rate, field), q), last)
-        return [(now,), ((row, Test.ZERO), next_one), ((row, Test.ZERO), (rate, Test.ZERO), further)]
+        return (
+            (scaled(row, q), Test.LEADS),
+            (scaled(rate, q), Test.LEADS),
+            (scaled(rate_of(rate, field), q), last),
+        )
 
-    def _agree(self, key: Key, free: list[str]) -> tuple[Side, ...]:
-        """Conditions under which bodies that were at rest begin to slide as a mode says, or are held."""
-        found: list[Side] = []
-        for body, way in zip(self.m.own, key[2], strict=True):
-            if body in free and way:
-                found.append((scaled(rate_of(self._body_speed(body), self.solution(key).field), way), Test.POSITIVE))
-            elif body in free:
-                found += [(self._room(key, body, onward), Test.NOT_NEGATIVE) for onward in DIRECTIONS]
+    def _agree(self, key: Key, stands: Sequence[str]) -> tuple[Side, ...]:
+        """Conditions under which what stood stays, or begins to move, as a mode says."""
+        (d, side, ways), field, found = key, self.solution(key).field, list[Side]()
+
+        def now_or_next(row: Row, last: Test) -> None:
+            found.extend([(row, Test.LEADS), (rate_of(row, field), last)])
+
+        for name, way in zip(("slip", *self.m.own), (d, *ways), strict=True):
+            if name in stands and way:
+                speed = self.m.slip if name == "slip" else self._body_speed(name)
+                now_or_next(scaled(rate_of(speed, field), way), Test.POSITIVE)
+            elif name in stands:
+                for onward in DIRECTIONS:
+                    left = self._left(ways, onward, side) if name == "slip" else self._room(key, name, onward)
+                    now_or_next(left, Test.NOT_NEGATIVE)
         return tuple(found)
-
-    def _sides(self, ways: Ways) -> Iterator[tuple[int, tuple[Side, ...]]]:
-        """The sides of rest with their conditions, the last one without."""
-        for side in self.m.sides[:-1]:
-            yield side, ((scaled(self._at_rest(ways), side), Test.NOT_NEGATIVE),)
-        yield self.m.sides[-1], ()
-
-    def _held(self, ways: Ways, free: list[str], body: str) -> Iterator[Branch]:
-        """Branches to rest where static friction holds."""
-        for side, condition in self._sides(ways):
-            key = (0, side, ways)
-            stays = tuple((self._left(ways, d, side), Test.NOT_NEGATIVE) for d in DIRECTIONS)
-            yield Branch(self.name(key), self._kind(key, body), (*condition, *stays, *self._agree(key, free)))
-
-    def _rest(self, ways: Ways, kind: int, impulse: int = 0) -> Iterator[Branch]:
-        for side, condition in self._sides(ways):
-            yield Branch(self.name((0, side, ways)), kind, condition, impulse)
 
     def _beyond_hold(self, kinds: tuple[int, int], impulse: int = 0) -> Iterator[Branch]:
         """Branches at ω = 0 for Γ₊ ≤ 0: beyond static friction slip under law −1, else rest; kinds (rest, slip)."""
-        for side, condition in self._sides(()):
+        for key, condition in self._by_sign(0, ()):
             for d in DIRECTIONS:
-                excess = (scaled(self._left((), d, side), -1), Test.POSITIVE)
+                excess = (scaled(self._left((), d, key[1]), -1), Test.POSITIVE)
                 yield Branch(self.name((d, -d, ())), kinds[1], (*condition, excess), impulse)
-            yield Branch(self.name((0, side, ())), kinds[0], condition, impulse)
+            yield Branch(self.name(key), kinds[0], condition, impulse)
 
     def _after_seizure(self, d: int) -> Iterator[Branch]:
         """Branches after an impact of sign d, which leaves n of that sign, with which law −1 slips against it."""
@@ -361,7 +373,7 @@ class Modes:
             for ways in self.ways:
                 going = [(body, way) for body, way in zip(m.own, ways, strict=True) if way]
                 moving = [(scaled(self._body_speed(body), way), Test.POSITIVE) for body, way in going]
-                for branch in self._consistent(d, ways, self._held_in(ways)):
+                for branch in self._outcomes(d, ways):
                     kind = Event.RELEASE if d else branch.kind
                     yield replace(branch, kind=kind, conditions=(*slips, *moving, *branch.conditions))
 

@@ -7,7 +7,6 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any, NamedTuple
 
-from lsvib.models import mechanics
 from lsvib.stability.slip import Slip, SlipDrive, half_return, leaving
 from lsvib.stability.solve import Equations
 
@@ -79,8 +78,7 @@ def _comes_back(zero: Callable[[SlipDrive, Return], Any], d: SlipDrive, times: S
 def _even(law: int, d: SlipDrive, times: Sequence[Any]) -> list[Any]:
     """Slip under a law from the release of static friction touches θ′ = 0; the time is that since then, backwards."""
     c, s, _ = Slip(d.inertia[law], -d.damping[law], d.stiffness).responses(times[0])
-    more = mechanics.friction_factor(d.static, d.tangent, law) - d.xi[law]
-    return [c - 1, d.radius * d.force * more + d.stiffness * s * d.speed]
+    return [c - 1, d.braked(d.static)[1] - d.braked(d.sliding)[1] + d.stiffness * s * d.speed]
 
 
 _STICK = "v̂₊(τ₁) = v₋(τ₂), v̂₋(τ₂) = v₊(τ₁): the cycle of slip; on it under law {} w′(τ₃) = 0 and w(τ₃) = −Ω (Sect. 8.5)"
@@ -90,7 +88,7 @@ _END = "from the end of rest, {} = C₋ Ω / k, for R > 0 less r_m (ξ₊ − ξ
 _SEIZES = f"slip under law − {_END.format('u')} has Q′(τ) = 0 and Q(τ) = 0 (eq. 8.17, Sect. 8.7)"
 _LOST = f"slip under law − {_END.format('x')} is back at u = x after τ with Q(τ) = 0 (eq. 8.17)"
 
-_EVEN = "slip under law {} touches θ′ = 0 a time τ after its release: C(−τ) = 1, r_m R [ξ(μ_s) − ξ(μ)] = k Ω S(−τ)"
+_EVEN = "slip under law {} touches θ′ = 0 a time τ after its release: C(−τ) = 1, T_r − T = k Ω S(−τ) of dry friction"
 
 _SYSTEMS: dict[str, tuple[str, _OfDrive]] = {
     "stick+": (_STICK.format("+"), partial(_stick, 1)),

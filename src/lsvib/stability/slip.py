@@ -17,7 +17,7 @@ motions decay, π α₊ / β₊ + π α₋ / β₋ > 0, and none otherwise: two 
 Rodrigo and Torres 1998).
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import count, takewhile
 from types import SimpleNamespace
 from typing import Any
@@ -26,9 +26,14 @@ from flint import arb, arb_series
 
 from lsvib.errors import NoThreshold
 from lsvib.models import friction, mechanics
-from lsvib.models.drive import Drive
+from lsvib.models.drive import Drive, require_direction
 from lsvib.stability.solve import bracketed_root
 
+_AT_REST = {  # dry frictions of threads, guide and bearing, and what they are at rest
+    "friction_coefficient": "static_friction_coefficient",
+    "slide_friction": "slide_static_friction",
+    "bearing_friction": "bearing_static_friction",
+}
 CLOSE = 1e-25  # relative error of a time before Newton's method, which squares it in every step
 
 
@@ -131,8 +136,8 @@ class SlipDrive:
     """Constants of a rigid drive (eqs 8.13–8.17), balls or power series, mirrored if need be so that Ω > 0.
 
     Arguments: its parameters by name; ``sense``, sgn Ω. ``xi``, ``inertia`` Γ and ``damping`` C by law; ``lever``
-    r_m tan λ [m]; ``static``, μ_s, zero without; ``contact``, the row (q_u, q_w) of Q; ``onset``, R_on = r_m tan λ
-    c_x Ω [N]; ``net``, R̃ [N].
+    r_m tan λ [m]; ``sliding``: μ, F_0 and T_0, ``static``: the same at rest; ``contact``, the row (q_u, q_w) of Q;
+    ``onset``, R_on = r_m tan λ c_x Ω [N]; ``net``, R̃ [N].
     """
 
     def __init__(self, p: Mapping[str, Any], sense: int) -> None:
@@ -141,7 +146,8 @@ class SlipDrive:
         self.speed, self.force = p["input_speed"] * sense, p["axial_force"] * sense
         self.onset = self.lever * self.slide * self.speed
         self.net = self.force - self.onset
-        self.tangent, self.static = t, p.get("static_friction_coefficient", arb(0))
+        self.tangent, self.sliding = t, [p.get(name, 0) for name in _AT_REST]
+        self.static = [p.get(at_rest, p.get(name, 0)) for name, at_rest in _AT_REST.items()]
         d = SimpleNamespace(**p, tan_lead=t)
         self.xi, self.inertia, self.damping = mechanics.by_law(d, d.friction_coefficient)
         turned = self.mass * d.support_damping - d.screw_inertia * self.slide
@@ -154,6 +160,7 @@ class SlipDrive:
         Raises ``NoThreshold`` where friction depends on the sliding speed, as slip has no closed form then, and for
         thresholds of motions with ``rest`` also where static friction is above that of sliding, as rest ends elsewhere.
         """
+        require_direction(drive)
         if wanted := friction.refusal(drive, rest):
             raise NoThreshold(f"the closed form of this threshold {wanted}.")
         return cls({name: arb(value) for name, value in drive}, 1 if drive.input_speed > 0 else -1)
@@ -161,6 +168,13 @@ class SlipDrive:
     def slip(self, law: int) -> Slip:
         """Return slip under a law."""
         return Slip(self.inertia[law], self.damping[law], self.stiffness)
+
+    def braked(self, dry: Sequence[Any]) -> tuple[int, Any]:
+        """Return the law and the torque [N m] of threads, guide and bearing, ``static`` or ``sliding``."""
+        mu, guide, bearing = dry
+        force = self.force - guide
+        law = 1 if constant(force) > 0 else -1
+        return law, self.radius * force * mechanics.friction_factor(mu, self.tangent, law) + bearing
 
     @property
     def outward(self) -> Any:

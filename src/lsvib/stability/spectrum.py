@@ -26,7 +26,7 @@ from numpy.typing import ArrayLike, NDArray
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.errors import InputError
 from lsvib.models import friction
-from lsvib.models.drive import PARTS, Drive, ExactParameters
+from lsvib.models.drive import PARTS, Drive, ExactParameters, require_direction
 from lsvib.models.mechanics import LinearParts, net_force
 
 LEAST = fmpq(1, 2**400)  # beyond all quotients of parameters
@@ -59,6 +59,7 @@ def sliding_law(drive: Drive) -> int:
 
     F_0 is the friction of the slide where there is one. Zero if the contact carries no force.
     """
+    require_direction(drive)
     sense, d = 1 if drive.input_speed > 0 else -1, drive.exact()
     with many_digits():
         force = net_force(vars(d), d.tan_lead, sense)

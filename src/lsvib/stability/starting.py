@@ -7,10 +7,13 @@ sign and Γ > 0 the drive jerks for ever exactly if the first slip comes back to
 followed backwards in time, is the response of the oscillator with the damping −C: from w′ = 0 it comes back to its w
 when C(τ) = 1. So at the smallest even speed
 
-    r_m |R| |ξ_s(μ_s) − ξ_s(μ)| = −k S(τ) |Ω|,    C(τ) = 1,    s = sgn(R Ω),
+    T_r − T = −k S(τ) |Ω|,    C(τ) = 1,
 
-which encloses what the search has found and gives its derivatives. Armstrong-Hélouvry (Stick-slip arising from Stribeck
-friction, ICRA 1990) asked the same by dimensional analysis.
+    T_r = r_m (R − F_s) ξ(μ_s) + T_s,    T = r_m (R − F_0) ξ(μ) + T_0        (Ω > 0; ξ by the sign of the force)
+
+which encloses what the search has found and gives its derivatives. That threads, guide and bearing of a rigid drive let
+go together is taken, as their shares of static friction are not determined. Armstrong-Hélouvry (Stick-slip arising from
+Stribeck friction, ICRA 1990) asked the same by dimensional analysis.
 """
 
 import math
@@ -113,12 +116,12 @@ def changes(drive: Drive, unknown: str, known: list[tuple[float, bool]]) -> Iter
 
 def touching(drive: Drive) -> Start:
     """Return where Newton's method starts for the equations above; raises ``NoThreshold`` where they do not hold."""
-    if not drive.rigid:
-        raise NoThreshold("the closed form of the even speed is that of the rigid drive.")
+    if drive.parts or drive.collar_friction:
+        raise NoThreshold("the closed form of the even speed is that of rigid drives without a collar.")
     with many_digits():
         d = SlipDrive.of(drive)
-        law = 1 if d.force > 0 else -1
-        if not (d.inertia[law] > 0 and d.damping[law] > 0 and d.net * law > 0 and d.static > 0):
+        law, _ = d.braked(d.sliding)
+        if not (d.inertia[law] > 0 and d.damping[law] > 0 and (d.net - d.sliding[1]) * law > 0):
             raise NoThreshold("slip from the end of rest is no damped oscillation under one law.")
         back = Slip(d.inertia[law], -d.damping[law], d.stiffness)
         if not back.turns:

@@ -18,7 +18,7 @@ from flint import arb
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.errors import EngineError, InputError, NoThreshold
 from lsvib.models import chapter, friction
-from lsvib.models.drive import DRY, Drive, allowed_range, described
+from lsvib.models.drive import DRY, Drive, allowed_range, described, require_direction
 from lsvib.models.model import model_of
 from lsvib.models.thresholds import TABLE
 from lsvib.numbers import shown
@@ -79,6 +79,7 @@ def parameter(drive: Drive, name: str, unknown: Any) -> str:
 
 def _solve(drive: Drive, name: str, unknown: str, even: Solver | None) -> Threshold:
     """A threshold, perhaps without solutions but with a reason; or ``NoThreshold``."""
+    require_direction(drive)
     if unknown == "stribeck_exponent":
         raise NoThreshold("stribeck_exponent is either 1 or 2, so no threshold is solved for it.")
     if unknown == "stribeck_rise" and not drive.stribeck_speed:

@@ -14,7 +14,7 @@ from lsvib.engine.kernels.layout import ModalFlow, Tables, TaylorFlow
 
 NUMBERS = np.dtype([(name, np.float64) for name in ("amplitude", "period", "peak_normal_force", "peak_normal_impulse")])
 end_of_at = by_address(end_of)
-SPRAGS, RESTS, REVERSES = 1, 2, 4  # bits that say what happens on a cycle
+SPRAGS, STICKS, REVERSES = 1, 2, 4  # bits that say what happens on a cycle
 
 
 class Rule(NamedTuple):
@@ -61,13 +61,13 @@ def _describe(tables, rule, reversal, drives, k, numbers, slopes):
     facts, note, n = rule.asked.facts, found.notes[0], found.state.size
     count, mode, time, hardest = note["events"], note["mode"], 0.0, 0.0
     at, starts, stays = other.mode[:count], other.before[:count], other.time[:count]  # room that is free by now
-    bits = RESTS if facts.rests[mode] else 0
+    bits = STICKS if facts.sticks[mode] else 0
     for i in range(count):
         at[i], stays[i] = mode, times[i] - time
         for x in range(n):
             starts[i, x] = after[i - 1, x] if i else found.state[x]
         time, mode = times[i], modes[i]
-        bits |= (RESTS if facts.rests[mode] else 0) | (REVERSES if kinds[i] == reversal else 0)
+        bits |= (STICKS if facts.sticks[mode] else 0) | (REVERSES if kinds[i] == reversal else 0)
         bits |= SPRAGS if facts.sprag_kinds[kinds[i]] or facts.sprag_modes[mode] else 0
         if facts.sprag_kinds[kinds[i]]:
             impulse = 0.0

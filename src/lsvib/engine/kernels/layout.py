@@ -61,6 +61,7 @@ class Test(IntEnum):
     POSITIVE = 0
     NOT_NEGATIVE = 1
     ZERO = 2
+    LEADS = 3  # positive, or zero where the next condition holds, which does not count otherwise
 
 
 # Event kinds. The engine itself writes the first two; models number theirs from FIRST_MODEL_KIND on.
