@@ -46,7 +46,7 @@ class Bodies:
         self.axial = force = force - p["slide_friction"] * self.sense
         self.collar = p["collar_friction"] * p["collar_radius"]
         self.steady_law = law = sign(force) * self.sense
-        torque = (self.lever(law, self.mu(p["input_speed"])) + law * self.collar) * force
+        torque = (self.lever(law, self.mu(p["input_speed"])) + law * self.collar) * force if law else number(0)
         whole = p["support_damping"] * p["input_speed"] + p["bearing_friction"] * self.sense + torque
         steady = [number(0)] * (2 * len(self.q))
         steady[:2] = -whole / p["coupling_stiffness"], p["input_speed"]
@@ -251,7 +251,7 @@ class Bodies:
         else:
             tied = {body: self.most(body) for body in ("bearing", "slide") if body in mode and not self.free(body)}
             for way in (1, -1):
-                load = p["axial_force"] - way * tied["slide"] if "slide" in tied else found["n"]
+                load = found["n"] if self.free("slide") else p["axial_force"] - way * tied.get("slide", 0.0)
                 spared = way * tied.get("bearing", 0.0)  # what the threads do not carry as slip begins
                 load -= spared * self.tangent / p["pitch_radius"] if "e" in self.place else 0.0
                 law = way * (mode["contact"] or sign(load) or way)

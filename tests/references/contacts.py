@@ -34,9 +34,20 @@ class Happening(NamedTuple):
 
 
 def affine(function, size: int) -> np.ndarray:
-    """The matrix of an affine function of some numbers, its constant last."""
-    constant = function(np.zeros(size))
-    return np.column_stack([*((function(unit) - constant) / FAR for unit in FAR * np.eye(size)), constant])
+    """The matrix of an affine function of some numbers, its constant last.
+
+    What is zero but for rounding is zero: with other steps it comes out otherwise.
+    """
+    constant, near = function(np.zeros(size)), np.full(size, 1e-6)
+
+    def slopes(step: float) -> np.ndarray:
+        return np.column_stack([(function(unit) - constant) / step for unit in step * np.eye(size)])
+
+    def sure(found: np.ndarray, again: np.ndarray) -> np.ndarray:
+        return np.where(np.abs(found - again) <= 1e-3 * np.abs(found), found, 0.0)
+
+    rows = sure(slopes(FAR), slopes(1.37 * FAR))
+    return np.column_stack([rows, sure(constant, function(near) - rows @ near)])
 
 
 class Contacts(Bodies):
@@ -46,7 +57,7 @@ class Contacts(Bodies):
         super().__init__(drive)
         self.frictions = [body for body in ("bearing", "slide") if self.most(body)]
         self.dry = ["slip", *filter(self.free, self.frictions)]  # what may rest or move by itself
-        rates = [self.p["input_speed"] * (self.lead if name in "ye" else 1.0) for name in self.q]
+        rates = [(self.p["input_speed"] or 1.0) * (self.lead if name in "ye" else 1.0) for name in self.q]
         self.sizes = np.abs(self.steady) + np.abs(np.kron(rates, [1e-3, 1.0]))  # rates over a millisecond
         speeds = [*speeds] or [self.p["input_speed"]]
         self.pieces = [(0.0, times[0], speeds[0], 0.0)] if len(times) and times[0] > 0 else []
@@ -112,6 +123,8 @@ class Contacts(Bodies):
             for side in (1, -1) if ways[0] or self.free("slide") else (0,):
                 if Arc(self, time, state, mode | {"contact": side}).lasts(still):
                     return mode | {"contact": side}, state
+        if forced:  # what lets go is held again by the force that another one, which lets go with it, then has
+            return self.choose(time, state, before, still, {})
         raise AssertionError(f"no mode is consistent at {time} s, {state.tolist()}, after {before}")
 
     def settled(self, state: np.ndarray, still: list) -> np.ndarray:
