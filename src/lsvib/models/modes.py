@@ -92,17 +92,22 @@ class Modes:
         m = self.m
         for name in m.own if self.seizes else ():
             raise InputError(
-                f"{name}_friction = {size_of(m.limits[name]):g} needs a drive outside the Painlevé region: inside, the "
-                f"threads can seize, and what follows is not determined while the {name} holds."
+                f"{self._given(name)} needs a drive outside the Painlevé region: inside, the threads can seize, and "
+                f"what follows is not determined while the {name} holds."
             )
         if "slide" in m.own and not m.compliant:
             inertia, mass = m.effective(["slide"])
             if sign(inertia - m.turned * mass, "screw_mass") <= 0:
                 raise InputError(
-                    f"slide_friction = {size_of(m.limits['slide']):g} needs screw_mass < "
-                    f"{size_of(inertia / m.turned):.6g} kg: above, the threads jam while the slide is held, and the "
-                    "motion is not determined."
+                    f"{self._given('slide')} needs screw_mass < {size_of(inertia / m.turned):.6g} kg: above, the "
+                    "threads jam while the slide is held, and the motion is not determined."
                 )
+
+    def _given(self, body: str) -> str:
+        """Say the friction of a body, in sliding or else at rest."""
+        sliding = size_of(self.m.limits[body])
+        key = "friction" if sliding else "static_friction"
+        return f"{body}_{key} = {sliding or size_of(self.m.holding[body]):g}"
 
     def name(self, key: Key) -> str:
         """Return the name of a mode."""
