@@ -20,10 +20,10 @@ Static friction that is above that of slow sliding holds at ω = 0 wherever it c
 """
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache
-from itertools import product
+from itertools import chain, product
 from typing import Any
 
 import numpy as np
@@ -81,7 +81,8 @@ class Modes:
         self.surfaces: dict[str, Surface] = {}
         self.transitions: dict[str, Transition] = {}
         self._flows: dict[tuple[int, int, Ways], Any] = {}
-        self._solve, self._left, self._carries = cache(m.solve), cache(m.left), cache(self._signed)
+        self._solve, self._left = cache(m.solve), cache(m.left)
+        self._carries, self._agrees = cache(self._signed), cache(self._stays)
 
     def _speeds_without_paradox(self) -> tuple[Any, Any]:
         inertia, mass = self.m.effective()
@@ -297,7 +298,8 @@ class Modes:
         found = sorted(product(*(HOW if way == 0 else (way,) for way in before.values())), key=order)
         for way, *ways_now in found:
             for key, carries in self._by_sign(way, tuple(ways_now)):
-                yield self._branch(key, last, onward, (*carries, *self._agree(key, stands)))
+                agree = (self._agrees(name, key) for name in stands)
+                yield self._branch(key, last, onward, (*carries, *chain.from_iterable(agree)))
         *others, (key, _) = self._by_sign(found[0][0], found[0][1:])
         yield from (self._branch(other, last, onward, carries) for other, carries in others)
         yield self._branch(key, last, onward)
@@ -331,22 +333,18 @@ class Modes:
             (scaled(rate_of(rate, field), q), last),
         )
 
-    def _agree(self, key: Key, stands: Sequence[str]) -> tuple[Side, ...]:
-        """Conditions under which what stood stays, or begins to move, as a mode says."""
-        (d, side, ways), field, found = key, self.solution(key).field, list[Side]()
-
-        def now_or_next(row: Row, last: Test) -> None:
-            found.extend([(row, Test.LEADS), (rate_of(row, field), last)])
-
-        for name, way in zip(("slip", *self.m.own), (d, *ways), strict=True):
-            if name in stands and way:
-                speed = self.m.slip if name == "slip" else self._body_speed(name)
-                now_or_next(scaled(rate_of(speed, field), way), Test.POSITIVE)
-            elif name in stands:
-                for onward in DIRECTIONS:
-                    left = self._left(ways, onward, side) if name == "slip" else self._room(key, name, onward)
-                    now_or_next(left, Test.NOT_NEGATIVE)
-        return tuple(found)
+    def _stays(self, name: str, key: Key) -> tuple[Side, ...]:
+        """Conditions under which the threads (``slip``) or a body that stood stay, or begin to move, as a mode says."""
+        (d, side, ways), field = key, self.solution(key).field
+        way, last = dict(zip(("slip", *self.m.own), (d, *ways), strict=True))[name], Test.NOT_NEGATIVE
+        if way:
+            speed = self.m.slip if name == "slip" else self._body_speed(name)
+            rows, last = [scaled(rate_of(speed, field), way)], Test.POSITIVE
+        elif name == "slip":
+            rows = [self._left(ways, onward, side) for onward in DIRECTIONS]
+        else:
+            rows = [self._room(key, name, onward) for onward in DIRECTIONS]
+        return tuple(side for row in rows for side in ((row, Test.LEADS), (rate_of(row, field), last)))
 
     def _beyond_hold(self, kinds: tuple[int, int], impulse: int = 0) -> Iterator[Branch]:
         """Branches at ω = 0 for Γ₊ ≤ 0: beyond static friction slip under law −1, else rest; kinds (rest, slip)."""
