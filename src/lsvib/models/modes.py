@@ -6,7 +6,7 @@ solves; all else follows from the signs of speeds and forces.
 
 * Rigid threads, Γ₊ > 0: the sign of n is that of Q. If Γ₊ > 0 also while bodies are held, exactly one mode is
   consistent in each state: with the accelerations as unknowns, all pieces of the contact problem have determinants of
-  one sign. At ω = 0, or where a body stops, that mode is found by trying all of them.
+  one sign. At ω = 0, or where a body stops, that mode is found by trying all of them (:meth:`Modes._outcomes`).
 * Rigid threads, Γ₊ ≤ 0 (the Painlevé region, in which a body that slides on its own is refused): law s = −1 is followed
   where it is admissible, dQ < 0. Elsewhere, and on arriving at Q = 0, the threads *seize*: ω jumps to zero by an impact
   with an impulse of the sign of ω. After it, slip under law −1 against ω starts at once if it is admissible and
@@ -16,7 +16,8 @@ solves; all else follows from the signs of speeds and forces.
   s = +1, which stops the screw, and the motion after it follows from the same equations. N changes at rest, too, where
   the load moves on.
 
-Static friction that is above that of slow sliding holds at ω = 0 wherever it can, as it must once the threads stand.
+Static friction above that of slow sliding leaves several modes consistent. Then it holds wherever it can, as it must
+once threads or bodies stand, and lets go of as little as it can.
 """
 
 import math
