@@ -385,11 +385,11 @@ def seated(mechanism: Mechanism) -> np.ndarray:
 def standing(m: Mechanism) -> np.ndarray:
     """Return the state in which the screw stands with the coupling relaxed, as before the motor is switched on.
 
-    The threads carry no torque; what lets the load move along carries R, less what the slide may hold of it.
+    The threads carry no torque; what lets the load move along carries R, less what the slide holds of it as it slides.
     """
     d, state = m.d, list[Any]([0] * len(m.states))
     state[:2] = -m.deflection[-1], -d.input_speed
-    left = abs(d.axial_force) - m.holding.get("slide", 0)
+    left = abs(d.axial_force) - m.limits.get("slide", 0)
     contact = left * sign(d.axial_force) if sign(left) > 0 else 0
     for part in m.bodies:
         load, carried = {"contact": (m.force, contact), "torque": (m.twist, 0)}.get(BODIES[part].pushed, (0, 0))
