@@ -37,7 +37,14 @@ COMMANDS = [
     ("config --set mass=-1", f"mass = -1.0 {RANGE} 1e-18 <= mass <= 1e+09"),
     ("config --set lead_angle_deg=95", f"{RANGE} 5.72958e-05 <= "),
     ("config --set lead_angle=0.1 --set lead_angle_deg=5", "both given"),
-    ("config --set input_speed=0", "1e-12 <= |input_speed| <= 1e+09"),
+    ("config --set input_speed=1e-13", "0 or 1e-12 <= |input_speed| <= 1e+09"),
+    ("stability --set input_speed=0", "input_speed = 0 lets the drive go"),
+    ("thresholds --set input_speed=0", "input_speed = 0 lets the drive go"),
+    (
+        "config --set slide_friction=3 --set slide_static_friction=2",
+        f"slide_static_friction = 2 {RANGE} 0 or slide_friction = 3 <= slide_static_friction <= 1e+12",
+    ),
+    ("config --set bearing_friction=3 --set bearing_static_friction=2", "0 or bearing_friction = 3 <= bearing_static"),
     ("stability --set friction_coefficient=10.3", f"friction_coefficient = 10.3 {RANGE}"),
     ("stability --set axial_force=0", "axial_force"),
     (
@@ -143,6 +150,7 @@ SLIDES = {"stribeck_rise": 0.05, "stribeck_speed": 0.1}  # under a law
 FALLING = DRIVE(friction="powered_seat", translation_damping=1000, axial_force=35)
 ROUGH = LIGHT.replace(static_friction_coefficient=0.3, axial_force=35)
 RUBS = DRIVE(slide_friction=2, support_damping=0)
+LET_GO = DRIVE(input_speed=0)
 RESISTED, CUT_OFF = NEAR_FOLD.replace(axial_force=-18), DRIVE(friction_slope=-2, support_damping=0, input_speed=30)
 OF_CONSTANT = "the closed form of the threshold {} holds for friction that does not depend on speed."
 OF_LEVEL = "holds for static friction that is not above that of sliding."
@@ -249,6 +257,8 @@ PYTHON = [
     (lambda: nut_drive(bearing_friction=0.01, mass=15).automaton(), "outside the Painlevé region"),
     (lambda: support_drive(slide_friction=1, **SLIDES).automaton(), "slide_friction = 1 is not followed where"),
     (lambda: nut_drive(bearing_friction=1, **SLIDES).automaton(), "bearing_friction = 1 is not followed where"),
+    (lambda: nut_drive(bearing_static_friction=1, **SLIDES).automaton(), "bearing_static_friction = 1 is not followed"),
+    *((call, "input_speed = 0 lets the drive go") for call in (LET_GO.cycles, LET_GO.basin, LET_GO.resilience)),
 ]
 
 

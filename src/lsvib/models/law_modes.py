@@ -23,7 +23,7 @@ from lsvib.models import friction, sliding
 from lsvib.models.command import Command, one_after_the_other
 from lsvib.models.drive import Drive, once
 from lsvib.models.mechanism import Mechanism, Solution, seated
-from lsvib.models.modes import OUTPUTS, Modes, size_of, still_flow
+from lsvib.models.modes import OUTPUTS, Modes, still_flow
 from lsvib.models.names import DIRECTIONS, Event, Key, Resume
 
 
@@ -49,8 +49,8 @@ class LawModes(Modes):
     def _refuse(self) -> None:
         for name in self.m.own:
             raise InputError(
-                f"{name}_friction = {size_of(self.m.limits[name]):g} is not followed where friction of the threads "
-                f"depends on speed; leave {name}_friction out, or stribeck_rise and friction_slope at zero."
+                f"{self._given(name)} is not followed where friction of the threads depends on speed; leave friction "
+                f"of the {name} out, or stribeck_rise and friction_slope at zero."
             )
 
     def _flow(self, found: Solution) -> TaylorMode:

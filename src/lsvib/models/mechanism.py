@@ -46,7 +46,7 @@ from typing import Any
 import numpy as np
 
 from lsvib.engine.automaton import Row, scaled
-from lsvib.engine.exact.arithmetic import double, doubles, many_digits, nothing, root, sign
+from lsvib.engine.exact.arithmetic import added, double, doubles, many_digits, nothing, root, sign
 from lsvib.models import mechanics
 from lsvib.models.drive import PARTS, Drive
 from lsvib.models.mechanics import plus, solved, together
@@ -322,25 +322,33 @@ class Mechanism:
 
         That is ±(r_m ξ_s n − τ) with s = ± sgn n, and what a bearing takes that turns with the slip: at rest τ and n
         count it to the threads. A slide that moves with it opposes the same motion; one that pushed the other way
-        could jam the threads at a larger τ, at which slip is possible, too.
+        could jam the threads at a larger τ, at which slip is possible, too. Where it takes so much of a load that moves
+        along that slip would need more torque than that, rest holds as long as slip cannot begin.
         """
-        rest = self.solve(0, 1, ways)
-        contact, law = rest.contact, direction * side
+        rest, law = self.solve(0, 1, ways), direction * side
         if not side:
-            contact, law = self.constant(self.load(direction)), self.released(direction, 0) * direction
-        threads = plus(scaled(contact, self.d.pitch_radius * self.xi_rest[law]), scaled(rest.torque, -1))
+            static = self._braked(direction, self.holding, self.xi_rest)
+            slow = {s: self._factor(self.slowest, s) for s in (1, -1)}
+            sliding = self._braked(direction, self.limits, slow)
+            most = static if self.same or sign(added(static, -sliding)) >= 0 else sliding
+            return plus(scaled(rest.torque, -direction), self.constant(most))
+        threads = plus(scaled(rest.contact, self.d.pitch_radius * self.xi_rest[law]), scaled(rest.torque, -1))
         bearing = self.holding["bearing"] if "bearing" in self.tied else 0
         if self.compliant:  # n = N / cos λ + tan λ τ / r_m
             bearing = bearing * (1 - self.xi_rest[law] * self.d.tan_lead)
         return plus(scaled(threads, direction), self.constant(bearing))
 
-    def load(self, direction: int) -> Any:
-        """R ∓ F_s [N], which the threads carry as slip begins where n is constant at rest."""
-        return self.d.axial_force - (self.holding["slide"] * direction if "slide" in self.tied else 0)
+    def _braked(self, direction: int, dry: Mapping[str, Any], factors: Mapping[int, Any]) -> Any:
+        """Return the torque [N m] of threads, slide and bearing that let go together; ξ_s by law in ``factors``."""
+        load = self.d.axial_force - (dry["slide"] * direction if "slide" in self.tied else 0)
+        law = (sign(load, "axial_force") or -direction) * direction
+        threads = self.d.pitch_radius * load * factors[law] * direction
+        return threads + dry["bearing"] if "bearing" in self.tied else threads
 
     def released(self, direction: int, side: int) -> int:
         """Return the sign of n with which slip begins: the side of rest; without a force the threads resist."""
-        return side or sign(self.load(direction), "axial_force") or -direction
+        load = self.d.axial_force - (self.holding["slide"] * direction if "slide" in self.tied else 0)
+        return side or sign(load, "axial_force") or -direction
 
     def reset(self, rests: bool, held: Iterable[str]) -> tuple[Row, ...]:
         """Return the rows of the reset that puts speeds on exactly zero: that of the slip, and those of bodies."""
@@ -377,11 +385,11 @@ def seated(mechanism: Mechanism) -> np.ndarray:
 def standing(m: Mechanism) -> np.ndarray:
     """Return the state in which the screw stands with the coupling relaxed, as before the motor is switched on.
 
-    The threads carry no torque; what lets the load move along carries R, less what the slide may hold of it.
+    The threads carry no torque; what lets the load move along carries R, less what the slide holds of it as it slides.
     """
     d, state = m.d, list[Any]([0] * len(m.states))
     state[:2] = -m.deflection[-1], -d.input_speed
-    left = abs(d.axial_force) - m.holding.get("slide", 0)
+    left = abs(d.axial_force) - m.limits.get("slide", 0)
     contact = left * sign(d.axial_force) if sign(left) > 0 else 0
     for part in m.bodies:
         load, carried = {"contact": (m.force, contact), "torque": (m.twist, 0)}.get(BODIES[part].pushed, (0, 0))

@@ -6,7 +6,7 @@ solves; all else follows from the signs of speeds and forces.
 
 * Rigid threads, Γ₊ > 0: the sign of n is that of Q. If Γ₊ > 0 also while bodies are held, exactly one mode is
   consistent in each state: with the accelerations as unknowns, all pieces of the contact problem have determinants of
-  one sign. At ω = 0, or where a body stops, that mode is found by trying all of them.
+  one sign. At ω = 0, or where a body stops, that mode is found by trying all of them (:meth:`Modes._outcomes`).
 * Rigid threads, Γ₊ ≤ 0 (the Painlevé region, in which a body that slides on its own is refused): law s = −1 is followed
   where it is admissible, dQ < 0. Elsewhere, and on arriving at Q = 0, the threads *seize*: ω jumps to zero by an impact
   with an impulse of the sign of ω. After it, slip under law −1 against ω starts at once if it is admissible and
@@ -16,14 +16,15 @@ solves; all else follows from the signs of speeds and forces.
   s = +1, which stops the screw, and the motion after it follows from the same equations. N changes at rest, too, where
   the load moves on.
 
-Static friction that is above that of slow sliding holds at ω = 0 wherever it can, as it must once the threads stand.
+Static friction above that of slow sliding leaves several modes consistent. Then it holds wherever it can, as it must
+once threads or bodies stand, and lets go of as little as it can.
 """
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache
-from itertools import product
+from itertools import chain, product
 from typing import Any
 
 import numpy as np
@@ -81,7 +82,8 @@ class Modes:
         self.surfaces: dict[str, Surface] = {}
         self.transitions: dict[str, Transition] = {}
         self._flows: dict[tuple[int, int, Ways], Any] = {}
-        self._solve, self._left, self._carries = cache(m.solve), cache(m.left), cache(self._signed)
+        self._solve, self._left = cache(m.solve), cache(m.left)
+        self._carries, self._agrees = cache(self._signed), cache(self._stays)
 
     def _speeds_without_paradox(self) -> tuple[Any, Any]:
         inertia, mass = self.m.effective()
@@ -92,17 +94,22 @@ class Modes:
         m = self.m
         for name in m.own if self.seizes else ():
             raise InputError(
-                f"{name}_friction = {size_of(m.limits[name]):g} needs a drive outside the Painlevé region: inside, the "
-                f"threads can seize, and what follows is not determined while the {name} holds."
+                f"{self._given(name)} needs a drive outside the Painlevé region: inside, the threads can seize, and "
+                f"what follows is not determined while the {name} holds."
             )
         if "slide" in m.own and not m.compliant:
             inertia, mass = m.effective(["slide"])
             if sign(inertia - m.turned * mass, "screw_mass") <= 0:
                 raise InputError(
-                    f"slide_friction = {size_of(m.limits['slide']):g} needs screw_mass < "
-                    f"{size_of(inertia / m.turned):.6g} kg: above, the threads jam while the slide is held, and the "
-                    "motion is not determined."
+                    f"{self._given('slide')} needs screw_mass < {size_of(inertia / m.turned):.6g} kg: above, the "
+                    "threads jam while the slide is held, and the motion is not determined."
                 )
+
+    def _given(self, body: str) -> str:
+        """Say the friction of a body, in sliding or else at rest."""
+        sliding = size_of(self.m.limits[body])
+        key = "friction" if sliding else "static_friction"
+        return f"{body}_{key} = {sliding or size_of(self.m.holding[body]):g}"
 
     def name(self, key: Key) -> str:
         """Return the name of a mode."""
@@ -292,7 +299,8 @@ class Modes:
         found = sorted(product(*(HOW if way == 0 else (way,) for way in before.values())), key=order)
         for way, *ways_now in found:
             for key, carries in self._by_sign(way, tuple(ways_now)):
-                yield self._branch(key, last, onward, (*carries, *self._agree(key, stands)))
+                agree = (self._agrees(name, key) for name in stands)
+                yield self._branch(key, last, onward, (*carries, *chain.from_iterable(agree)))
         *others, (key, _) = self._by_sign(found[0][0], found[0][1:])
         yield from (self._branch(other, last, onward, carries) for other, carries in others)
         yield self._branch(key, last, onward)
@@ -326,22 +334,18 @@ class Modes:
             (scaled(rate_of(rate, field), q), last),
         )
 
-    def _agree(self, key: Key, stands: Sequence[str]) -> tuple[Side, ...]:
-        """Conditions under which what stood stays, or begins to move, as a mode says."""
-        (d, side, ways), field, found = key, self.solution(key).field, list[Side]()
-
-        def now_or_next(row: Row, last: Test) -> None:
-            found.extend([(row, Test.LEADS), (rate_of(row, field), last)])
-
-        for name, way in zip(("slip", *self.m.own), (d, *ways), strict=True):
-            if name in stands and way:
-                speed = self.m.slip if name == "slip" else self._body_speed(name)
-                now_or_next(scaled(rate_of(speed, field), way), Test.POSITIVE)
-            elif name in stands:
-                for onward in DIRECTIONS:
-                    left = self._left(ways, onward, side) if name == "slip" else self._room(key, name, onward)
-                    now_or_next(left, Test.NOT_NEGATIVE)
-        return tuple(found)
+    def _stays(self, name: str, key: Key) -> tuple[Side, ...]:
+        """Conditions under which the threads (``slip``) or a body that stood stay, or begin to move, as a mode says."""
+        (d, side, ways), field = key, self.solution(key).field
+        way, last = dict(zip(("slip", *self.m.own), (d, *ways), strict=True))[name], Test.NOT_NEGATIVE
+        if way:
+            speed = self.m.slip if name == "slip" else self._body_speed(name)
+            rows, last = [scaled(rate_of(speed, field), way)], Test.POSITIVE
+        elif name == "slip":
+            rows = [self._left(ways, onward, side) for onward in DIRECTIONS]
+        else:
+            rows = [self._room(key, name, onward) for onward in DIRECTIONS]
+        return tuple(side for row in rows for side in ((row, Test.LEADS), (rate_of(row, field), last)))
 
     def _beyond_hold(self, kinds: tuple[int, int], impulse: int = 0) -> Iterator[Branch]:
         """Branches at ω = 0 for Γ₊ ≤ 0: beyond static friction slip under law −1, else rest; kinds (rest, slip)."""

@@ -120,7 +120,8 @@ def decide(flow, mode, work, guard, here, there, step, starts_on_surface):
         slack = _margin(least, low)
         if low > 0.0:
             return _POSITIVE, slack
-    after = _ROOT if last[0] <= 0.0 else _POSITIVE
+    # A guard that begins on zero and stays within its rounding has not fallen.
+    after = _ROOT if last[0] <= (-work.rounding[guard] if starts_on_surface else 0.0) else _POSITIVE
     sign = _common_sign(first[1], last[1])
     if sign != 0.0:
         low, least = guard_sums.least_between(flow, mode, work, guard, here, there, 1, sign, eighth)
