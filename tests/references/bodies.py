@@ -249,20 +249,29 @@ class Bodies:
         if mode["slip"]:
             left["slip", 0, "speed"] = mode["slip"] * found["slip"]
         else:
-            tied = {body: self.most(body) for body in ("bearing", "slide") if body in mode and not self.free(body)}
             for way in (1, -1):
-                load = found["n"] if self.free("slide") else p["axial_force"] - way * tied.get("slide", 0.0)
-                spared = way * tied.get("bearing", 0.0)  # what the threads do not carry as slip begins
-                load -= spared * self.tangent / p["pitch_radius"] if "e" in self.place else 0.0
-                law = way * (mode["contact"] or sign(load) or way)
-                most = (self.lever(law, self.static()) + law * self.collar) * load
-                left["slip", way, "torque"] = way * (spared + most - found["tau"])
+                most = self.braked(way, found["n"], mode, self.static(), self.most)
+                if not self.free("slide"):  # which may relieve the threads so much that slip could not go on
+                    slow, sliding = self.mu(self.number(0)), lambda body: p[f"{body}_friction"]
+                    most = max(most, self.braked(way, found["n"], mode, slow, sliding))
+                left["slip", way, "torque"] = most - way * found["tau"]
         for body, name, unit in (("bearing", "screw", "torque"), ("slide", "travel", "force")):
             if body in mode and self.free(body) and mode[body]:
                 left[body, 0, "speed" if body == "bearing" else "travel"] = mode[body] * found[name]
             elif body in mode and self.free(body):
                 left |= {(body, way, unit): self.most(body) - way * found[body] for way in (1, -1)}
         return left
+
+    def braked(self, way: int, normal, mode: dict, mu, dry):
+        """Torque against slip in a direction of what then begins to move together; ``dry``: frictions by body.
+
+        At rest the threads carry ``normal``, and n and τ have the share of a bearing that turns with the slip.
+        """
+        slide, bearing = (0.0 if self.free(body) else way * dry(body) for body in ("slide", "bearing"))
+        load = normal if self.free("slide") else self.p["axial_force"] - slide
+        load -= bearing * self.tangent / self.p["pitch_radius"] if "e" in self.place else 0.0
+        law = way * (mode["contact"] or sign(load) or way)
+        return way * (bearing + (self.lever(law, mu) + law * self.collar) * load)
 
     def excess(self, state: np.ndarray, mode: dict, size: np.ndarray) -> float:
         """By how much a state violates what its mode takes for granted, over the sizes of forces and speeds."""
