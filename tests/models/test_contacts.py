@@ -1,20 +1,18 @@
 """Static friction in every dry contact at once: motions against a reference that finds modes and events by itself."""
 
 from contextlib import suppress
-from itertools import zip_longest
 
 import numpy as np
 import pytest
-from models.test_parts import MOTOR, OWN
-from references.contacts import Contacts, Happening
+from models.test_parts import MOTOR, OWN, balanced
+from references.comparisons import by_newton, by_package, held_against_contacts
+from references.contacts import Contacts
 from references.drives import drawn, one_of, power, signed, times, uniform
 from references.sizes import sizes
 
-from lsvib.engine.motion import Motion, follow
 from lsvib.errors import InputError
 from lsvib.models.command import Command
 from lsvib.models.drive import Drive
-from lsvib.models.mechanics import friction_factor
 from lsvib.models.mechanism import standing_state
 from lsvib.models.model import model_of
 from lsvib.models.names import Event
@@ -27,7 +25,8 @@ SLOW = {
 DRY = {"slide_friction": power(-0.5, 1.3), "bearing_friction": power(-3, -1.5)}
 COLLAR = {"collar_friction": uniform(0.05, 0.3), "collar_radius": power(-2.6, -1.9)}
 LAW = {"stribeck_rise": uniform(0, 0.1), "stribeck_speed": power(-2.3, -0.5), "stribeck_exponent": one_of(1, 2)}
-SAME = 1e-13  # part of the time by which events at one instant differ
+STATIC = {name: name.replace("friction", "static_friction") for name in ("friction_coefficient", *DRY)}
+KINDS = {event.name.lower() for event in Event} - {"graze", "accumulation", "seizure", "passage"}
 
 
 def random_contacts(seed: int) -> tuple[Drive, np.ndarray, Command | None]:
@@ -46,49 +45,71 @@ def random_contacts(seed: int) -> tuple[Drive, np.ndarray, Command | None]:
             values |= drawn(rng, LAW, friction_slope=uniform(-0.3, 0))
         if not any(has[part] for part in OWN) and rng.random() < 0.5:
             values |= drawn(rng, COLLAR)
-        for name, most in (("friction_coefficient", "static_friction_coefficient"), *((x, static(x)) for x in DRY)):
+        for name, most in STATIC.items():
             if name in values and rng.random() < 0.7:
                 slow = values[name] + (values.get("stribeck_rise", 0) if "coefficient" in name else 0)
                 values[most] = slow * rng.uniform(1.05, 1.8)
         with suppress(InputError):
             drive = without_seizure(Drive(**values))
-            start = start_of(drive, rng)
-            command = None
+            start, command = start_of(drive, rng), None
             if drive.input_speed and rng.random() < 0.4:
                 speeds = drive.input_speed * rng.choice([0.0, 0.3, 1.0, 1.5, -0.5], 4)
                 command = Command(times=sorted(rng.uniform(0, 0.2, 4)), speeds=speeds.tolist())
             return drive, start, command
 
 
-def static(name: str) -> str:
-    return name.replace("_friction", "_static_friction")
-
-
 def without_seizure(drive: Drive) -> Drive:
     """The drive with less mass where rigid threads could seize, also while the slide holds."""
-    if "threads" in drive.parts:
-        return drive
-    tan, radius, inertia = np.tan(drive.lead_angle), drive.pitch_radius, drive.screw_inertia
-    inertia = 1 / (1 / inertia + 1 / drive.nut_inertia) if drive.nut_inertia else inertia
-    factor = friction_factor(drive.friction_coefficient + drive.stribeck_rise, tan, 1)
-    factor += drive.collar_friction * drive.collar_radius / radius
-    limit = 0.8 * inertia / (factor * tan * radius**2) if factor > 0 else np.inf
-    heavy = "screw_mass" if drive.screw_mass else "mass"
-    return drive.replace(**{heavy: min(getattr(drive, heavy), limit)})
+    laws, heavy = Contacts(drive), "screw_mass" if drive.screw_mass else "mass"
+    inertia = 1 / (1 / drive.screw_inertia + (1 / drive.nut_inertia if drive.nut_inertia else 0.0))
+    limit = 0.8 * inertia / laws.lead / (laws.lever(1, laws.mu(0.0)) + laws.collar)
+    return drive if "threads" in drive.parts else drive.replace(**{heavy: min(getattr(drive, heavy), limit)})
 
 
 def start_of(drive: Drive, rng) -> np.ndarray:
     """Rest, or anywhere about it.
 
-    There the slide holds a little less than it may, and the threads more than nothing: else rounding would decide.
+    A slide that holds no more at rest than in sliding has a little less to hold: else rounding would decide.
     """
     start = standing_state(drive)
-    for part, stiffness in (("support", drive.support_stiffness), ("threads", drive.contact_stiffness)):
-        if part in drive.parts:
-            start[2 + 2 * drive.parts.index(part)] += 0.02 * drive.axial_force / stiffness
+    if drive.slide_friction and drive.slide_static_friction <= drive.slide_friction:
+        for part, stiffness in (("support", drive.support_stiffness), ("threads", drive.contact_stiffness)):
+            if part in drive.parts:
+                start[2 + 2 * drive.parts.index(part)] += 0.02 * drive.axial_force / stiffness
     if drive.input_speed and rng.random() < 0.5:
         return start
     start[0] += rng.uniform(-0.3, 0.3)
     if rng.random() < 0.7:
         start[1] += rng.uniform(-2, 2) * (abs(drive.input_speed) + 1)
     return start
+
+
+@pytest.mark.parametrize("seeds", sizes([range(10)], [range(10, 50)], [range(50, 300)]), ids=len)
+def test_modes_and_events_are_those_that_newtons_laws_allow(seeds):
+    """Of drives with static friction in threads, guide and bearing, with any parts, commands and laws."""
+    kinds, parts = [], set()
+    for seed in seeds:
+        drive, *motion = random_contacts(seed)
+        kinds += held_against_contacts(drive, *motion, 0.25, most=24)
+        parts.add(drive.parts)
+    assert len(kinds) >= 10 * len(seeds)
+    assert {*kinds} == KINDS
+    assert len(parts) >= 7
+
+
+@pytest.mark.parametrize("motion", [by_newton, by_package])
+def test_a_guide_sticks_while_the_threads_rest(motion):
+    """It stops before the threads slip again; the slip that then begins does not move it."""
+    support = {"screw_mass": 1.0, "support_stiffness": 1e5, "axial_support_damping": 100.0}
+    dry = {"slide_friction": 5.0, "static_friction_coefficient": 0.25}
+    drive = Drive(input_speed=1.0, translation_damping=100.0, **support, **dry)
+    start = model_of(drive).initial_state(drive, {"u": 0.0, "w": -1.0})
+    _, events = motion(drive, start, None, 0.3, most=60)
+    assert [event.kind for event in events[:4]] == ["release", "stick", "slide_stick", "release"]
+    np.testing.assert_allclose([event.time for event in events[2:4]], [0.024393696537, 0.026524850249], atol=1e-12)
+    assert events[-1].state[0] - Contacts(drive).steady[0] == pytest.approx(-0.00736043, abs=5e-9)
+
+
+def test_energy_of_cycles():
+    """What motor and load put in, dampers and dry contacts take out."""
+    assert len(balanced(range(6, 21), lambda seed: random_contacts(seed)[:2])) >= 6

@@ -92,13 +92,13 @@ def held(seeds, **more: bool) -> tuple[list[Drive], int, set[int]]:
     return found, events, kinds
 
 
-def balanced(seeds, **more: bool) -> list[tuple[str, ...]]:
+def balanced(seeds, draw=random_drive, **more: bool) -> list[tuple[str, ...]]:
     """Assert that the energy of the cycles of random drives balances; the parts of the drives that have one.
 
     To rounding; of those that jam, where the force grows as the inverse root of the time left, to twice the root of it.
     """
     found = []
-    for drive, start in (random_drive(seed, **more) for seed in seeds):
+    for drive, start in (draw(seed, **more) for seed in seeds):
         with suppress(InputError, EngineError):
             automaton = automaton_of(drive)
             orbit = steady_state(automaton, start, max_events=20_000).orbit

@@ -13,9 +13,11 @@ from lsvib.models.model import model_of
 from lsvib.models.names import Event
 from lsvib.models.rigid import rigid_automaton
 from references.bodies import Bodies
+from references.contacts import Contacts, Happening
 from references.rigid_digits import RigidTruth, simulate
 
 RULES = ("contact_sign", "at_once")
+Found = tuple[dict, list[Happening]]  # the first mode of a motion and what happens after it
 
 
 @dataclass(frozen=True)
@@ -84,3 +86,55 @@ def held_against_newton(
             np.testing.assert_allclose(found, normal, rtol=1e-9, atol=least)
             assert not what["slip"] or abs(normal) <= least or normal * what["contact"] > 0
     return motion, arcs
+
+
+def by_newton(drive: Drive, start, command: Command | None, duration: float, most: int) -> Found:
+    """First mode and events of a motion as the reference of dry contacts finds them; the last is its end."""
+    laws = Contacts(drive, *((command.times, command.speeds) if command else ()))
+    state = start + laws.steady
+    state[np.abs(state) < 1e-14 * np.abs(start)] = 0.0  # that is rounding: springs may be relaxed
+    first, events, state = laws.follow(state, duration, most)
+    return first, [*events, Happening(duration, "end", state, events[-1].mode if events else first)]
+
+
+def by_package(
+    drive: Drive, start, command: Command | None, duration: float, most: int
+) -> tuple[dict, list[Happening]]:
+    """The same by the package, in the words of the reference."""
+    model, laws, n = model_of(drive), Contacts(drive), len(start)
+    automaton = model.build(drive, model.physics_of(drive), "contact_sign", command)
+    motion = follow(automaton, [*start, *([0.0] if command else [])], duration, max_events=8 * most)  # with passages
+    modes = [laws.mode(model.modes(int(automaton.codes[mode])).name.lower()) for mode in motion.arcs()[0]]
+    kinds, states = [Event(kind).name.lower() for kind in motion.kind], [*motion.after, motion.end_state]
+    found = zip([*motion.time, duration], [*kinds, "end"], states, [*modes[1:], modes[-1]], strict=True)
+    events = [Happening(time, kind, state[:n] + laws.steady, mode) for time, kind, state, mode in found]
+    return modes[0], [event for event in events if event.kind not in ("passage", "graze")]
+
+
+def instants(events: list[Happening], most: int) -> list[list[Happening]]:
+    """Events by the instant at which they are; not the last one where more may follow."""
+    found = []
+    for event in events[:most]:
+        if not found or event.time - found[-1][0].time > 1e-13 * event.time:
+            found.append([])
+        found[-1].append(event)
+    return found[:-1] if len(events) > most else found
+
+
+def held_against_contacts(drive: Drive, start, command: Command | None, duration: float, most: int) -> list[str]:
+    """Hold modes, events and states of a motion against the reference that finds them itself; returns kinds of events.
+
+    At one instant contacts may let go or stop one after the other; in which order is not said.
+    """
+    (first, expected), (mode, events) = (way(drive, start, command, duration, most) for way in (by_newton, by_package))
+    assert mode == first, drive
+    ours, theirs = instants(events, most), instants(expected, most)
+    size = np.maximum(np.abs([event.state for event in expected]).max(axis=0), 1e-3 * Contacts(drive).sizes)
+    for found, known in zip(ours, theirs, strict=max(len(events), len(expected)) <= most):
+        assert abs(found[0].time - known[0].time) <= 1e-9 * known[0].time, (drive, known, found)
+        assert found[0].kind in [event.kind for event in known], (drive, known, found)
+        assert known[0].kind in [event.kind for event in found], (drive, known, found)
+        assert found[-1].mode == known[-1].mode, (drive, known, found)
+        assert (np.abs(found[-1].state - known[-1].state) <= 1e-8 * size).all(), (drive, known, found)
+        assert len(found) < 4, (drive, found)
+    return [event.kind for found in ours for event in found if event.kind != "end"]
