@@ -93,8 +93,7 @@ def by_newton(drive: Drive, start, command: Command | None, duration: float, mos
     laws = Contacts(drive, *((command.times, command.speeds) if command else ()))
     state = start + laws.steady
     state[np.abs(state) < 1e-14 * np.abs(start)] = 0.0  # that is rounding: springs may be relaxed
-    first, events, state = laws.follow(state, duration, most)
-    return first, [*events, Happening(duration, "end", state, events[-1].mode if events else first)]
+    return laws.follow(state, duration, most)
 
 
 def by_package(
