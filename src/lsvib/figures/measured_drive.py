@@ -368,7 +368,9 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     bottom, top = record.get_ylim()
     record.set(xlabel="Time [s]", ylabel="Torque of the motor [mN m]", ylim=(bottom, top + 0.3 * (top - bottom)))
     record.legend(fontsize=7, ncols=2, loc="upper left", columnspacing=0.8, handletextpad=0.3)
-    limit.axvline(float(dataset.jerking_damping), color="black", linestyle=":", linewidth=0.9)
+    own = float(dataset.jerking_damping)
+    limit.axvline(own, color="black", linestyle=":", linewidth=0.9)
+    limit.annotate("jerks as often", (own, 1.2), xytext=(4, 0), textcoords="offset points", fontsize=7)
     at = math.sqrt(low * high)
     for rpm, mark, words in ((SLOW / RPM, "v", "jerked"), (EVEN / RPM, "^", "was even")):
         limit.plot(at, rpm, mark, color="black", markersize=4)
