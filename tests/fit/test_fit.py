@@ -101,8 +101,9 @@ def test_the_published_bearing_gives_a_friction_near_the_published(screw, tmp_pa
     path.write_text(yaml.safe_dump(sheet))
     (tmp_path / "examples").symlink_to(ROOT / "examples")
     found = fit_sheet(path)
-    assert list(found.fit.ends) == ["fit"]
+    assert found.fit.not_separable == (STATIC,)
     assert found.fit.main.values["friction_coefficient"] == pytest.approx(0.27, abs=0.05)
+    assert "; static friction above sliding in the threads." in blocks(as_json(found))
 
 
 def test_the_blocks_are_taken_by_data_sheet_scene_and_shell(screw, run):

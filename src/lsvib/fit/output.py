@@ -26,6 +26,10 @@ _ENDS = {
     "threads": "All friction in the threads",
     "bearing": "As much friction as can be in the bearing",
 }
+_AT_REST = {  # ends of static friction alone
+    "threads": "Static friction above sliding in the threads",
+    "bearing": "Static friction above sliding in the bearing",
+}
 _IN_BEARING = {STATIC[1]: "static"}  # what is called otherwise in the block `bearing`
 POOR = 0.1  # of the typical torque: residuals beyond are no good fit
 NONE = 0.3  # of the typical torque: a law that leaves more rms is none to copy
@@ -152,6 +156,7 @@ def sentences(found: FittedSheet) -> list[str]:
         "output_said.j2",
         found=found,
         fit=fit,
+        not_separable=fit.not_separable,
         main=main,
         loads=[f"{value:.3g}" for value in sorted(loads)],
         one_load=np.ptp(measured.load) == 0,
@@ -178,7 +183,7 @@ def _rendered(template: str, **values: Any) -> str:
     constants = {
         "POOR": POOR,
         "NONE": NONE,
-        "ENDS": _ENDS,
+        "ENDS": _AT_REST if [tuple(pair) for pair in values["not_separable"]] == [STATIC] else _ENDS,
         "PARAMETERS": PARAMETERS | {"static": ("N m",)},
         "LARGEST_STATIC": LARGEST_STATIC,
     }
