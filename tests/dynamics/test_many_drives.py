@@ -4,6 +4,8 @@ Tables of many drives are made in doubles that hold to 1e-12; what a motion ends
 its cycle, a few hundred. Labels agree but for starts on a boundary to that: none of those drawn here.
 """
 
+from contextlib import suppress
+
 import numpy as np
 import pytest
 from references.drives import LIKE_PARTS, drawn, one_of, random_drive, uniform, wide_drive
@@ -14,6 +16,7 @@ from lsvib.basins.grid import Axis, Grid
 from lsvib.basins.mapping import mapper
 from lsvib.dynamics.attractor import Attractor
 from lsvib.dynamics.sweep import all_endings, ending_of, endings_at_once
+from lsvib.errors import InputError
 from lsvib.models.drive import PART_OF, Drive
 from lsvib.models.many import ManyDrives, groups
 from lsvib.models.mechanism import standing_state
@@ -126,6 +129,29 @@ def test_endings_under_friction_laws_are_those_of_one_motion(kind, size):
     for k in range(size):
         rng = np.random.default_rng([33, k])
         drives.append(with_law(rng, random_drive(rng, **drawn(rng, parts))))
+    held_against_each(drives)
+
+
+@pytest.mark.parametrize("kind", LIKE_PARTS)
+def test_endings_with_static_friction_everywhere_are_those_of_one_motion(kind):
+    """Random drives, slow ones, from rest, with static friction in threads, slide and bearing or only in some."""
+    drives, own = [], {name: draw for name, draw in LIKE_PARTS[kind].items() if name != "slide_friction"}
+    for k in range(80):
+        rng = np.random.default_rng([66, k])
+        drive = random_drive(rng, **drawn(rng, own))
+        force, torque, mu = abs(drive.axial_force), abs(drive.axial_force) * drive.pitch_radius, rng.uniform(1, 1.5)
+        slide, bearing = force * rng.uniform(0.05, 0.4), torque * rng.uniform(0.02, 0.2)
+        values = {"slide_friction": slide, "slide_static_friction": slide * rng.choice([0, rng.uniform(1, 1.5)])}
+        values |= {"bearing_friction": bearing, "bearing_static_friction": bearing * rng.choice([0, 1, 1.5])}
+        values |= {"static_friction_coefficient": drive.friction_coefficient * rng.choice([0, mu])}
+        drive = Drive.of({**dict(drive), **values, "input_speed": drive.input_speed / 4})
+        with suppress(InputError):  # of a body that is held where the threads may seize
+            drives.append(automaton_of(drive) and drive)
+    held_against_each(drives)
+
+
+def held_against_each(drives: list[Drive]) -> None:
+    """From rest each ends, among many, on what it ends on alone; at least three labels, and few that are left open."""
     names = sorted({name for drive in drives for name, _ in drive})
     many = ManyDrives({name: [getattr(drive, name) for drive in drives] for name in names})
     found, is_open = endings_at_once(many, None)

@@ -69,6 +69,18 @@ def lowest_speed(drive: Drive, speed: mpf) -> mpf:
     return omega + mp.re(first * mp.exp(a * at) + second * mp.exp(b * at))
 
 
+@pytest.mark.parametrize(
+    "dry", [{"slide_static_friction": 4.0}, {"bearing_static_friction": 4e-3}], ids=["slide", "bearing"]
+)
+def test_friction_at_rest_is_solved_for_where_there_is_none_yet(dry):
+    """Without a size of its own, nor a force on the load that would give one."""
+    drive = JERKING.replace(static_friction_coefficient=0.0, friction_coefficient=0.0, axial_force=0.0, **dry)
+    edge = drive.threshold("even_speed").value
+    ((name, value),) = dry.items()
+    found = drive.replace(input_speed=edge, **{name: 0.0}).threshold("even_speed", name)
+    assert found.value == pytest.approx(value, rel=1e-9)
+
+
 @pytest.mark.parametrize("drive", RIGID.values(), ids=RIGID)
 def test_even_speed_in_25_digits(drive):
     """To 1e-12 and within its enclosure, which is that of two doubles."""
