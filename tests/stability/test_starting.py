@@ -69,18 +69,6 @@ def lowest_speed(drive: Drive, speed: mpf) -> mpf:
     return omega + mp.re(first * mp.exp(a * at) + second * mp.exp(b * at))
 
 
-@pytest.mark.parametrize(
-    "dry", [{"slide_static_friction": 4.0}, {"bearing_static_friction": 4e-3}], ids=["slide", "bearing"]
-)
-def test_friction_at_rest_is_solved_for_where_there_is_none_yet(dry):
-    """Without a size of its own, nor a force on the load that would give one."""
-    drive = JERKING.replace(static_friction_coefficient=0.0, friction_coefficient=0.0, axial_force=0.0, **dry)
-    edge = drive.threshold("even_speed").value
-    ((name, value),) = dry.items()
-    found = drive.replace(input_speed=edge, **{name: 0.0}).threshold("even_speed", name)
-    assert found.value == pytest.approx(value, rel=1e-9)
-
-
 @pytest.mark.parametrize("drive", RIGID.values(), ids=RIGID)
 def test_even_speed_in_25_digits(drive):
     """To 1e-12 and within its enclosure, which is that of two doubles."""
@@ -101,12 +89,17 @@ def test_even_speed_in_25_digits(drive):
     assert low < found.value * unit < high
 
 
-@pytest.mark.parametrize("unknown", ["coupling_stiffness", "support_damping", "static_friction_coefficient"])
-def test_even_speed_for_other_parameters(unknown):
+SMOOTH = JERKING.replace(static_friction_coefficient=0.0, axial_force=0.0)  # nothing that gives its friction a size
+OTHERS = [(JERKING, "coupling_stiffness"), (JERKING, "support_damping"), (JERKING, "static_friction_coefficient")]
+OTHERS += [(SMOOTH, "slide_static_friction"), (SMOOTH, "bearing_static_friction")]
+
+
+@pytest.mark.parametrize(("drive", "unknown"), OTHERS, ids=[unknown for _, unknown in OTHERS])
+def test_even_speed_for_other_parameters(drive, unknown):
     """The value of a parameter at which the drive's own speed is the even speed."""
-    value = JERKING.threshold("even_speed", unknown).value
-    there = JERKING.replace(**{unknown: value})
-    assert there.threshold("even_speed").value == pytest.approx(JERKING.input_speed, rel=1e-12)
+    value = drive.threshold("even_speed", unknown).value
+    there = drive.replace(**{unknown: value})
+    assert there.threshold("even_speed").value == pytest.approx(drive.input_speed, rel=1e-12)
 
 
 def random_drive(seed: int) -> Drive:
