@@ -309,4 +309,5 @@ def test_the_fit_knows_the_preload(load):
     assert main.values["friction_coefficient"] == pytest.approx(mu, abs=1e-6)
     way = -1 if load > 0 else 1
     known = 1.5 * torque[-1] / 5.5e-3
-    assert thread_force(force, preload, main.static[0], math.tan(ANGLE), way) == pytest.approx(known)
+    static, _ = main.static["static_friction_coefficient"]
+    assert thread_force(force, preload, static, math.tan(ANGLE), way) == pytest.approx(known)
