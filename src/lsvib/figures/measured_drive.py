@@ -178,7 +178,6 @@ def _explaining(
     drive: Drive, jerks: dict[int, tuple[Any, Any]], viscous: float, offset: float
 ) -> tuple[Drive, dict[int, "_Cycle"]]:
     """The drive whose damping and static friction of the bearing give period and torque of both records in the mean."""
-    from scipy.optimize import root  # type: ignore[import-untyped]
 
     def changed(x: np.ndarray) -> Drive:
         return drive.replace(support_damping=float(x[0]) * 1e-4, bearing_static_friction=float(x[1]) * 1e-3)
@@ -187,18 +186,20 @@ def _explaining(
         """Those of both directions."""
         return {sense: _cycle(own.replace(input_speed=sense * SLOW), viscous, sense * offset) for sense in jerks}
 
-    def off(x: np.ndarray) -> list[float]:
+    def off(x: np.ndarray) -> np.ndarray:
         """Of the periods, in logarithm, and of the torques [mN m]."""
         found = cycles(changed(x))
-        return [
-            sum(math.log(found[sense].period / record.period[0]) for sense, (_, record) in jerks.items()),
-            sum(_mean(found[sense]) - sense * table.torque.mean() for sense, (table, _) in jerks.items()) * 1e3,
-        ]
+        periods = (math.log(found[sense].period / record.period[0]) for sense, (_, record) in jerks.items())
+        torques = (_mean(found[sense]) - sense * table.torque.mean() for sense, (table, _) in jerks.items())
+        return np.array([sum(periods), 1e3 * sum(torques)])
 
-    best = root(off, [drive.support_damping * 1e4, drive.bearing_static_friction * 1e3], tol=1e-6)
-    if not best.success:
-        raise InputError("No model of figure measured_drive has the period and the torque of the records.")
-    return changed(best.x), cycles(changed(best.x))
+    x = np.array([drive.support_damping * 1e4, drive.bearing_static_friction * 1e3])
+    for _ in range(20):  # steps of Newton's method; the fit's own numbers are near
+        if np.abs(here := off(x)).max() < 1e-9:
+            return changed(x), cycles(changed(x))
+        slopes = np.column_stack([(off(x + step) - here) / 1e-4 for step in 1e-4 * np.eye(2)])
+        x = x - np.linalg.solve(slopes, here)
+    raise InputError("No model of figure measured_drive has the period and the torque of the records.")
 
 
 def _beside(cycle: "_Cycle", sense: int, table: Any, record: Any) -> dict[str, Any]:
