@@ -90,7 +90,8 @@ def _bodies(drive: Drive, reach: float) -> list[str]:
     lines.append(f"{d.mass:.6g} x″ = {right + ' ' if right else ''}− n")
     angle = "(θ − θ_2)" if turns else "θ"
     lines.append(f"x = {reach:.6g} {angle}{' + x_1' if shifts else ''}{' + e' if 'threads' in d.parts else ''}")
-    return [*lines, "z = θ − θ_m" if "motor" in d.parts else f"z = θ − {d.input_speed:.6g} t"]
+    turned = f" − {d.input_speed:.6g} t" if d.input_speed else ""
+    return [*lines, "z = θ − θ_m" if "motor" in d.parts else f"z = θ{turned}"]
 
 
 def _held(mechanism: Mechanism) -> Iterator[str]:
