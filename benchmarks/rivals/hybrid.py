@@ -22,7 +22,7 @@ from lsvib.engine.kernels.layout import ACCUMULATION_KIND, GRAZE_KIND, Test
 ROUNDING = 1e-12  # A sum that is smaller, relative to its terms, is zero.
 RETRIES = 8  # repetitions, each with steps a quarter as long, where a solver steps over a root next to its start
 MOST_STEPS = 20_000  # steps of a solver from one event to the next
-_POSITIVE, _ZERO = int(Test.POSITIVE), int(Test.ZERO)  # plain integers compare several times faster than an IntEnum
+_POSITIVE, _ZERO, _LEADS = map(int, (Test.POSITIVE, Test.ZERO, Test.LEADS))  # compare faster than an IntEnum
 
 
 class GaveUp(Exception):
@@ -184,10 +184,15 @@ class Hybrid:
     def _branch(self, transition: int, state: Sequence[float]) -> tuple[int, int]:
         """Mode and kind of event of the first branch of a transition whose conditions all hold."""
         for conditions, mode, kind in self._branches[transition]:
+            decided = False
             for row, test in conditions:
+                if decided:  # by a condition before, up to the one at which the chain of those ends
+                    decided = test == _LEADS
+                    continue
                 value, size = _affine(row, state)
                 if not _holds(test, value, ROUNDING * size):
                     break
+                decided = test == _LEADS and value > ROUNDING * size
             else:
                 return mode, kind
         raise GaveUp("no branch fits")

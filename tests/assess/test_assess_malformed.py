@@ -104,6 +104,10 @@ CASES = [
     ("motor", {"inertia": "2e-6 kg*m^2"}, "motor has none of integral_gain, bandwidth, holding_torque"),
     ("motor", MOTOR | {"steps_per_turn": 200}, "motor.steps_per_turn is that of a stepper"),
     ("bearing", COLLAR, "bearing.collar is not judged beside a support or contact that complies"),
+    ("guide", {"static": "5 N"}, "guide.friction is missing"),
+    ("guide", {"friction": ["4 N", "6 N"], "static": "5 N"}, "guide.static, at least 5 N, is below the friction in mo"),
+    ("bearing", {"static": "5 mN*m"}, "bearing.static needs bearing.torque, the torque of the bearing while the screw"),
+    ("bearing", {"torque": "6 mN*m", "static": "5 mN*m"}, "at least 0.005 N m, is below the friction in motion, bear"),
     ("sources", {"load.colour": "a catalogue"}, "does not give"),
 ]
 

@@ -160,7 +160,7 @@ def test_the_first_line_says_that_it_jerks_up_to_which_speed_and_how_often():
     found = assess(Sheet.of(JERKING), samples=64)
     started = found.starting
     assert found.verdict == "jerks"
-    assert started.cause == "static"
+    assert started.cause == "threads"
     assert started.there.corner == (1, pytest.approx(2 * np.pi / 30), 0.9414)
     drive = Drive.of(started.there.rigid)
     assert started.even_speed == pytest.approx(drive.threshold("even_speed").value, rel=1e-3)

@@ -149,6 +149,18 @@ def test_a_whole_assessment_with_all_that_rubs():
     assert not lets_go(found.draw, {"friction_coefficient": 0.14})
 
 
+def test_torques_at_rest_count_static_friction_of_bearing_and_guide():
+    """Against the load all three hold it back, and all three hold it where it pushes."""
+    more = {"bearing": {"torque": "10 mN*m", "static": "20 mN*m"}, "guide": {"friction": "30 N", "static": "50 N"}}
+    rows = statics(Sheet.of({**DRIVE, **more, "friction": {"coefficient": 0.05}})).rows
+    radius, angle = 7e-3, math.atan(4 / (14 * math.pi))
+    rho = math.atan(0.05 * math.sqrt(1 + (math.cos(angle) * math.tan(math.radians(15))) ** 2))
+    assert rows["starting_torque"].worst == pytest.approx(150 * radius * math.tan(angle + rho) + 0.02, rel=1e-12)
+    assert "holding_torque" not in rows  # 50 N on the threads take 14 mN m, the bearing has 20
+    needed = math.tan(angle - math.atan(0.02 / (50 * radius))) * math.cos(angle)  # of the square thread, about
+    assert rows["holding_friction"].limit == pytest.approx(max(needed, 0) * math.cos(math.radians(15)), abs=1e-3)
+
+
 GAINS = {"inertia": "2e-6 kg*m^2", "speed_gain": "1e-4 N*m*s/rad", "integral_gain": "0.0224 N*m/rad"}
 MEASURED = {  # drive 1 of T-RO 2021, whose record shows the integral gain of its controller, on a coupling
     "name": "drive 1",
@@ -297,4 +309,5 @@ def test_the_fit_knows_the_preload(load):
     assert main.values["friction_coefficient"] == pytest.approx(mu, abs=1e-6)
     way = -1 if load > 0 else 1
     known = 1.5 * torque[-1] / 5.5e-3
-    assert thread_force(force, preload, main.static[0], math.tan(ANGLE), way) == pytest.approx(known)
+    static, _ = main.static["static_friction_coefficient"]
+    assert thread_force(force, preload, static, math.tan(ANGLE), way) == pytest.approx(known)

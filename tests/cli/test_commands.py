@@ -119,6 +119,9 @@ def test_a_drive_is_described(run):
     assert list(found["coordinates"])[2:] == ["screw_shift", "shift_rate", "thread_mismatch", "mismatch_rate"]
     assert found["steady"]["screw_shift"] == pytest.approx(48 / 1e6, rel=1e-12)
     assert len(found["modes"]) == 24
+    rests = json.loads(run("describe", *arguments, "--set", "bearing_static_friction=0.03", "--json")[1])["equations"]
+    assert "held: x′ = 0 while friction of the slide, up to 2 N, holds" in rests
+    assert "rest: the bearing holds up to 0.03 N m, and lets go together with the threads" in rests
     text = run("describe")[1]
     assert "nothing but the coupling" in text
     assert "Γ₊ = " in text

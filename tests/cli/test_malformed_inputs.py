@@ -192,6 +192,7 @@ REFUSED_THRESHOLDS = [
     (FALLING, ("onset", "stribeck_exponent"), "stribeck_exponent is either 1 or 2"),
     (DRIVE(), ("onset", "stribeck_rise"), "no threshold is solved for stribeck_rise without stribeck_speed > 0."),
     (DRIVE(mass=11), ("onset", "input_speed"), "for every input speed below zero and for none on the other side"),
+    (RUBS.replace(mass=11, slide_static_friction=20), ("onset", "slide_friction"), "stable for no slide friction"),
     (ROUGH, ("stick", "static_friction_coefficient"), "stick does not depend on static_friction_coefficient."),
     (JERKING.replace(static_friction_coefficient=0), ("even_speed",), "ends in steady sliding at any input_speed"),
     (JERKING.replace(support_damping=0), ("even_speed",), "the motion from rest does not end in steady sliding at any"),

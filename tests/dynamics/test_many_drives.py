@@ -4,6 +4,8 @@ Tables of many drives are made in doubles that hold to 1e-12; what a motion ends
 its cycle, a few hundred. Labels agree but for starts on a boundary to that: none of those drawn here.
 """
 
+from contextlib import suppress
+
 import numpy as np
 import pytest
 from references.drives import LIKE_PARTS, drawn, one_of, random_drive, uniform, wide_drive
@@ -14,6 +16,7 @@ from lsvib.basins.grid import Axis, Grid
 from lsvib.basins.mapping import mapper
 from lsvib.dynamics.attractor import Attractor
 from lsvib.dynamics.sweep import all_endings, ending_of, endings_at_once
+from lsvib.errors import InputError
 from lsvib.models.drive import PART_OF, Drive
 from lsvib.models.many import ManyDrives, groups
 from lsvib.models.mechanism import standing_state
@@ -126,11 +129,32 @@ def test_endings_under_friction_laws_are_those_of_one_motion(kind, size):
     for k in range(size):
         rng = np.random.default_rng([33, k])
         drives.append(with_law(rng, random_drive(rng, **drawn(rng, parts))))
+    held_against_each(drives)
+
+
+@pytest.mark.parametrize("kind", LIKE_PARTS)
+def test_endings_with_static_friction_everywhere_are_those_of_one_motion(kind):
+    """Random slow drives from rest, with static friction in all of threads, slide and bearing, or in some."""
+    drives, keys = [], ("static_friction_coefficient", "slide_static_friction", "bearing_static_friction")
+    for k in range(80):
+        rng = np.random.default_rng([66, k])
+        drive = random_drive(rng, **drawn(rng, LIKE_PARTS[kind]))
+        slide, bearing = abs(drive.axial_force) * rng.uniform((0.05, 0.02), (0.4, 0.2)) * (1, drive.pitch_radius)
+        sliding = {"slide_friction": slide, "bearing_friction": bearing, "input_speed": drive.input_speed / 4}
+        static = np.array([drive.friction_coefficient, slide, bearing]) * rng.choice([0, 1, 1.5], 3)
+        drive = Drive.of({**dict(drive), **sliding, **dict(zip(keys, static.tolist(), strict=True))})
+        with suppress(InputError):  # of a body that is held where the threads may seize
+            drives.append(automaton_of(drive) and drive)
+    held_against_each(drives, labels=2)
+
+
+def held_against_each(drives: list[Drive], labels: int = 3) -> None:
+    """From rest each ends, among many, on what it ends on alone; so many labels at least, and few are left open."""
     names = sorted({name for drive in drives for name, _ in drive})
     many = ManyDrives({name: [getattr(drive, name) for drive in drives] for name in names})
     found, is_open = endings_at_once(many, None)
     assert is_open.mean() < 0.05
-    assert len(set(found.attractor.tolist())) >= 3
+    assert len(set(found.attractor.tolist())) >= labels
     for k in np.flatnonzero(~is_open):
         alone = ending_of(drives[k], automaton_of(drives[k]), standing_state(drives[k]))
         together = found[k]

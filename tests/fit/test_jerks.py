@@ -77,15 +77,18 @@ def test_a_drive_is_found_again_by_its_records(folder):
     kinds = {table.record.file: table.record.kind for table in found.tables}
     assert {name for name, kind in kinds.items() if kind == "jerks"} == {"+2.csv", "-2.csv"}
     assert main.values["friction_coefficient"] == pytest.approx(0.3, abs=3e-3)
-    assert main.static[0] == pytest.approx(0.5, abs=0.02)
+    assert main.static["static_friction_coefficient"][0] == pytest.approx(0.5, abs=0.02)
     assert told.stiffness[0] == pytest.approx(0.03, abs=max(3 * told.stiffness[1], 3e-4))
     assert told.damping[0] <= KNOWN.support_damping <= told.damping[1]
     exact = [abs(KNOWN.replace(input_speed=s).threshold("even_speed").solutions[0].value) for s in (1.0, -1.0)]
     assert 2 * RPM < told.even_speed < 10 * RPM
     assert 2 * RPM < max(exact) < 10 * RPM
     assert len(told.periods) == 2
+    assert told.by_periods == pytest.approx(KNOWN.support_damping, rel=0.25)
+    assert told.uneven[0] < 2 * told.uneven[1]
     for seen, model in told.periods:
-        assert seen == pytest.approx(model, rel=0.3)  # with the damping in the middle of its bounds
+        assert seen == pytest.approx(model, rel=0.04)
+    assert found.too_lively is None
 
 
 def test_what_is_not_told_has_a_reason(folder, tmp_path):

@@ -89,12 +89,17 @@ def test_even_speed_in_25_digits(drive):
     assert low < found.value * unit < high
 
 
-@pytest.mark.parametrize("unknown", ["coupling_stiffness", "support_damping", "static_friction_coefficient"])
-def test_even_speed_for_other_parameters(unknown):
+SMOOTH = JERKING.replace(static_friction_coefficient=0.0, axial_force=0.0)  # nothing that gives its friction a size
+OTHERS = [(JERKING, "coupling_stiffness"), (JERKING, "support_damping"), (JERKING, "static_friction_coefficient")]
+OTHERS += [(SMOOTH, "slide_static_friction"), (SMOOTH, "bearing_static_friction")]
+
+
+@pytest.mark.parametrize(("drive", "unknown"), OTHERS, ids=[unknown for _, unknown in OTHERS])
+def test_even_speed_for_other_parameters(drive, unknown):
     """The value of a parameter at which the drive's own speed is the even speed."""
-    value = JERKING.threshold("even_speed", unknown).value
-    there = JERKING.replace(**{unknown: value})
-    assert there.threshold("even_speed").value == pytest.approx(JERKING.input_speed, rel=1e-12)
+    value = drive.threshold("even_speed", unknown).value
+    there = drive.replace(**{unknown: value})
+    assert there.threshold("even_speed").value == pytest.approx(drive.input_speed, rel=1e-12)
 
 
 def random_drive(seed: int) -> Drive:

@@ -164,9 +164,9 @@ def _started(
     middle = min(one.reserve for one in found.values())
     lowest = min(middle, *(case for case, _ in cases.values()), 1.0)
     unstable = any(one.occurs for name, one in found.items() if name != "after_perturbation")
-    if draw.sheet.stiff and not draw.sheet.friction.law and lowest > 0:  # then slip shrinks every area
+    if draw.sheet.stiff and not draw.sheet.followed and lowest > 0:  # then slip shrinks every area
         return Starting(False, nominal.there, 0.0)
-    if not draw.sheet.friction.law and (unstable or middle == 0):
+    if not draw.sheet.followed and (unstable or middle == 0):
         # A start from rest tells nothing new: it cannot become steady, as nothing damps it, or worse.
         return Starting(None, nominal.there, None)
     draws = (Draw.of(draw.sheet, spread.points[:, k]) for k in range(spread.points.shape[1]))

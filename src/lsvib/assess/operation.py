@@ -27,7 +27,7 @@ from lsvib.models import friction
 from lsvib.models.drive import PARTS, Drive, zero_if_close
 
 _RIGID = ("screw_inertia", "coupling_stiffness", "support_damping", "mass", "translation_damping")
-_DRY = ("bearing_friction", "slide_friction", "collar_friction")
+_DRY = ("bearing_friction", "bearing_static_friction", "slide_friction", "slide_static_friction", "collar_friction")
 PAIRS = {"force": ("force_low", "force_high"), "speed": ("speed_low", "speed_high")}
 """Quantities of the window, which are changed together."""
 
@@ -248,11 +248,13 @@ def most_perturbed(draw: Draw) -> tuple[bool | None, float, Operation | None]:
     """Return whether a perturbation starts vibration of the drive with rigid parts, the smallest, and where.
 
     Asked is the exact basin at every corner of the window where Γ₊ or C₊ is negative, as none does without (docs);
-    where it is not known, a motion after a strong perturbation, with a law of friction at all corners. None if that
-    does not show it either. The smallest is in rad/s, infinite if there is none.
+    where it is not known, a motion after a strong perturbation, at all corners where friction is more than one number.
+    None if that does not show it either. The smallest is in rad/s, infinite if there is none.
     """
-    law, sizes = draw.sheet.friction.law, {}
-    places = {there.corner: there for there in draw.corners if law or there.reserves["after_perturbation"] < 0}
+    sizes = {}
+    places = {
+        there.corner: there for there in draw.corners if draw.sheet.followed or there.reserves["after_perturbation"] < 0
+    }
     for corner, there in places.items():
         size = there.tolerated[0]
         if not size:  # not known, or a drive that nothing damps

@@ -23,9 +23,11 @@ _ZERO = {
 }
 _ABSENT = {
     "bearing_friction": "bearing.torque",
+    "bearing_static_friction": "bearing.static",
     "collar_friction": "bearing.collar.coefficient",
     "collar_diameter": "bearing.collar.mean_diameter",
     "slide_friction": "guide.friction",
+    "slide_static_friction": "guide.static",
     "stribeck_rise": "friction.stribeck_rise",
     "stribeck_speed": "friction.stribeck_speed",
     "static_friction_coefficient": "friction.static",

@@ -284,17 +284,35 @@ class Collar(Part):
 
 
 class Bearing(Part):
-    """What brakes the screw: a torque whatever the load, viscous damping, and a thrust collar."""
+    """What brakes the screw: a torque whatever the load, at rest up to ``static``, viscous damping, and a collar."""
 
     torque: fields.Drag | None = None
+    static: fields.Drag | None = None
     viscous: fields.TurningDamping | None = None
     collar: Collar | None = None
 
+    def _misfit(self) -> str | None:
+        if self.static is not None and self.torque is None:
+            return "bearing.static needs bearing.torque, the torque of the bearing while the screw turns."
+        return _too_little("bearing.torque", self.torque, self.static)
+
 
 class Guide(Part):
-    """What brakes the load on its way: friction that does not depend on the force on the load."""
+    """What brakes the load on its way, whatever the force on the load: friction, at rest up to ``static``."""
 
     friction: fields.Rubbing
+    static: fields.Rubbing | None = None
+
+    def _misfit(self) -> str | None:
+        return _too_little("guide.friction", self.friction, self.static)
+
+
+def _too_little(name: str, sliding: Spread | None, static: Spread | None) -> str | None:
+    """Say if friction at rest may be below that in motion: any value of one may come with any of the other."""
+    if sliding is None or static is None or static.low >= sliding.high:
+        return None
+    part, least, most = name.split(".")[0], f"{static.low:g} {static.unit}", f"{sliding.high:g} {sliding.unit}"
+    return f"{part}.static, at least {least}, is below the friction in motion, {name}, at most {most}."
 
 
 class Spring(Part):
@@ -336,8 +354,8 @@ class Sheet(Part):
             sheet = cls.model_validate(dict(values))
         except ValidationError as error:
             raise InputError(sentence_about(cls, error)) from None
-        for part in (sheet.thread, sheet.screw, sheet.motor, sheet.load, sheet.friction, sheet.nut):
-            if part is not None and (problem := part.problem()) is not None:
+        for _, part in sheet:
+            if isinstance(part, Part) and (problem := part.problem()) is not None:
                 raise InputError(problem)
         root, size = sheet.screw.root_diameter, sheet.thread.size
         if sheet.screw.ends is not None and root is None and size is None:
@@ -395,6 +413,11 @@ class Sheet(Part):
     def dry(self) -> bool:
         """Whether bearing, collar or guide rub."""
         return self.guide is not None or self.bearing.torque is not None or self.bearing.collar is not None
+
+    @property
+    def followed(self) -> bool:
+        """Whether motions from rest are followed: friction is a law of the speed, or somewhere larger at rest."""
+        return self.friction.law or bool(self.spreads.keys() & {"bearing.static", "guide.static"})
 
     @property
     def closed(self) -> bool:

@@ -24,6 +24,11 @@ _CLOSE = 1e-3  # relative, to which a factor is closed in on
 _FACTORS = (1.5, 3.0)  # and their inverses: changes of one quantity that are tried
 _DRAWS = 16  # random drives that are started
 _WORK = 2_000  # of a motion, a fraction of a second where friction follows a law
+_STATIC = {  # friction at rest of each contact, and in motion
+    "threads": ("static_friction_coefficient", ("friction_coefficient", "stribeck_rise")),
+    "guide": ("slide_static_friction", ("slide_friction",)),
+    "bearing": ("bearing_static_friction", ("bearing_friction",)),
+}
 Place = tuple[int, float]  # direction of travel, force [N]
 
 
@@ -34,10 +39,11 @@ class Starting:
     ``jerks``: whether it goes on vibrating at some speed of the window, at the middle values; None where that is not
     known. ``there``: the slowest such point of operation, or where it is nearest to that; ``even_speed`` [rad/s] of the
     screw there, from which on it runs evenly: zero if at all speeds tried, infinite if at none up to :data:`BEYOND`
-    times the highest, None where it is not known. ``motion`` from rest there, if it jerks. ``cause`` there: ``static``
-    friction, without whose surplus it runs evenly, or ``law``, if it does without any change of friction with the
-    speed, else empty. ``changes`` of one quantity by no more than a factor of three that end it at all points of the
-    window that are tried, the smallest first. ``share`` of ``drawn`` drives that jerk at the lowest speed there.
+    times the highest, None where it is not known. ``motion`` from rest there, if it jerks. ``cause`` there:
+    ``threads``, ``guide`` or ``bearing``, without whose surplus of friction at rest it runs evenly, ``static``, if it
+    does without that of all of these, ``law``, if without any change of friction with the speed, else empty.
+    ``changes`` of one quantity by no more than a factor of three that end it at all points of the window that are
+    tried, the smallest first. ``share`` of ``drawn`` drives that jerk at the lowest speed there.
     """
 
     jerks: bool | None
@@ -81,8 +87,10 @@ def starting(draw: Draw, draws: Iterable[Draw], advise: bool = True) -> Starting
         ends = [whole(low, own) for own in islice(draws, _DRAWS)]
         jerks, share = None if even_speed is None else False, ends.count(False) / max(len(ends), 1)
         return Starting(jerks, there, even_speed, share=share, drawn=len(ends))
-    even = {"static_friction_coefficient": 0.0, "stribeck_rise": 0.0, "friction_slope": 0.0}
-    without = {"static": {"static_friction_coefficient": 0.0}, "law": even} if draw.sheet.friction.law else {}
+    without = {where: {static: 0.0} for where, (static, _) in _STATIC.items() if static in draw.values}
+    if draw.sheet.followed:
+        without["static"] = {static: 0.0 for one in without.values() for static in one}
+        without["law"] = {**without["static"], "stribeck_rise": 0.0, "friction_slope": 0.0}
     causes = (name for name, none in without.items() if whole(there.speed, draw.changed(**none)))
     asked = [(place, there.speed), *product(places, window)]
     changes = sorted(_changes(draw, asked) if advise else (), key=lambda row: abs(math.log(row.factor or 1.0)))
@@ -117,9 +125,9 @@ def _changes(draw: Draw, asked: list[tuple[Place, float]]) -> Iterator[Margin]:
 
     for name, keys in changeable(values).items():
         sides = [list(_FACTORS), [1 / factor for factor in _FACTORS]]
-        if name == "static_friction_coefficient":  # it cannot be below that of slow sliding, nor that by rounding
-            least = (values["friction_coefficient"] + values.get("stribeck_rise", 0.0)) / values[name] * (1 + 1e-12)
-            sides = [[*(factor for factor in sides[1] if factor > least), least]]
+        if slowest := dict(_STATIC.values()).get(name):  # it cannot be below that of slow sliding, nor that by rounding
+            least = sum(values.get(key, 0.0) for key in slowest) / values[name] * (1 + 1e-12)
+            sides = [[*(factor for factor in sides[1] if factor > least), *([least] if least else [])]]
         ends = []
         for factors in sides:
             good = next((factor for factor in factors if quiet(keys, factor, asked[:1])), None)

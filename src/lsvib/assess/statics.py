@@ -211,25 +211,26 @@ def _judged(draw: Draw, speed: Floats, held: Floats, load: Floats) -> dict[str, 
         )
     found: dict[str, Judged] = {}
     at_rest = _at_rest(draw)
-    rough = draw.square(at_rest)
     bearing, guide = (values.get(key, 0.0) for key in ("bearing_friction", "slide_friction"))
-    left = np.clip(np.abs(held) - guide, 0.0, None)  # of the load, what the guide does not hold
+    still, standing = values.get("bearing_static_friction", bearing), values.get("slide_static_friction", guide)
+    rest, motion = (draw.square(at_rest), still), (coefficient, bearing)
+    left, stuck = (np.clip(np.abs(held) - own, 0.0, None) for own in (guide, standing))  # what the guide does not hold
     nut = entries.get("nut.preload", 0.0), entries.get("nut.load_share", 1.0)
 
-    def needed(force: Any, coefficient: Any, lifting: bool) -> Any:
-        """The torque against or with a force, without damping."""
+    def needed(force: Any, rubs: tuple[Any, Any], lifting: bool) -> Any:
+        """The torque against or with a force, without damping, by the friction of threads and bearing."""
         relieved = relieved_half(force, *nut)
-        return torque(force, radius, angle, coefficient, lifting, collar, relieved) + bearing
+        return torque(force, radius, angle, rubs[0], lifting, collar, relieved) + rubs[1]
 
     drag, size = values["support_damping"] * speed, np.abs(load)
-    against, along = (needed(size, coefficient, lifting) + drag for lifting in (True, False))
+    against, along = (needed(size, motion, lifting) + drag for lifting in (True, False))
     against = np.where(turns, against, np.inf)
     # The dampings are guesses, on which no brake should count.
-    holding, braking = (-needed(left, rubbing, False) for rubbing in (rough, coefficient))
-    sticks = sheet.friction.law or sheet.friction.curve is not None
+    holding, braking = -needed(stuck, rest, False), -needed(left, motion, False)
+    sticks = sheet.followed or sheet.friction.curve is not None
     for name, acting, effort in (
         ("holding", holding > 0, holding),
-        ("starting", (held > 0) & sticks, needed(held + guide, rough, True)),
+        ("starting", (held + standing > 0) & sticks, needed(held + standing, rest, True)),
         ("lifting", (load > 0) | (not load.any()), against),
         ("lowering", (load < 0) & (along >= 0), along),
         ("braking", (held < 0) & (braking > 0), braking),
@@ -247,9 +248,9 @@ def _judged(draw: Draw, speed: Floats, held: Floats, load: Floats) -> dict[str, 
         with np.errstate(divide="ignore", invalid="ignore"):
             found["lowering_efficiency"] = np.where(held != 0, braking / work, np.nan), None
     if rubs and (held > 0).any():
-        share = work / needed(held + guide, coefficient, True)
+        share = work / needed(held + guide, motion, True)
         found["lifting_efficiency"] = np.where((held > 0) & turns, share, np.where(held > 0, 0.0, np.nan)), None
-    found["holding_friction"] = at_rest, _holds_from(draw, bearing, left, relieved_half(left, *nut))
+    found["holding_friction"] = at_rest, _holds_from(draw, still, stuck, relieved_half(stuck, *nut))
     found |= _nut(draw, size + relieved_half(size, *nut), sliding_speed(speed, radius, angle))
     return found | _shaft(sheet, entries, speed, size, np.where(load >= 0, against, np.abs(along)))
 

@@ -54,7 +54,8 @@ def describe(*, drive: DriveOptions = CHAPTER, as_json: AsJson = False) -> None:
     """
     from lsvib.models.description import description_of
 
-    found = description_of(drive.drive())
+    own = drive.drive()
+    found, where = description_of(own), "in steady sliding" if own.input_speed else "with the coupling relaxed"
 
     def text() -> Iterator[str]:
         yield f"What complies: {', '.join(found.parts) or 'nothing but the coupling'}."
@@ -62,7 +63,7 @@ def describe(*, drive: DriveOptions = CHAPTER, as_json: AsJson = False) -> None:
         yield from (f"  {line}" for line in found.equations)
         rows = ((key, unit, meaning) for key, (meaning, unit) in found.coordinates.items())
         yield f"\n{table(rows, 'coordinate', 'unit', 'meaning')}\n"
-        yield table(((key, f"{value:.6g}") for key, value in found.steady.items()), "in steady sliding", "value")
+        yield table(((key, f"{value:.6g}") for key, value in found.steady.items()), where, "value")
         yield f"\nModes: {', '.join(found.modes)}."
 
     show(found.to_json(), as_json, text())

@@ -28,7 +28,7 @@ from lsvib.dynamics.attractor import Attractor
 from lsvib.dynamics.behaviour import Behaviour, behaviours
 from lsvib.dynamics.sweep import all_endings
 from lsvib.errors import EngineError, InputError
-from lsvib.models.drive import Drive, described, names_and_values
+from lsvib.models.drive import Drive, described, names_and_values, require_direction
 from lsvib.models.many import ManyDrives
 from lsvib.models.model import model_of
 from lsvib.models.scene import REST
@@ -141,6 +141,8 @@ def chart(drive: Drive, x: Any, y: Any, workers: Any = 1, progress: numbers.Prog
     if x.count * y.count > MOST_CELLS:
         raise InputError(f"the chart has more than {MOST_CELLS} cells; take fewer.")
     corners = [drive.replace(**dict(zip(names, ends, strict=True))) for ends in product(y.ends, x.ends)]
+    for corner in corners:
+        require_direction(corner)
     if not all(model_of(corner).curves for corner in corners):
         raise InputError(
             "charts are for rigid drives without friction of slide, bearing and collar, and for drives of which "

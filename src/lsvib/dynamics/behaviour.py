@@ -33,6 +33,7 @@ class Behaviour(IntEnum):
     VIBRATION_FROM_REST = 7  # steady sliding attracts what is near, a cycle the motion that begins at rest
 
 
+_STATIC = ("static_friction_coefficient", "slide_static_friction", "bearing_static_friction")
 _OF_CYCLES = {
     Attractor.OTHER_CYCLE: Behaviour.PURE_SLIP,
     Attractor.STICK_SLIP_CYCLE: Behaviour.STICK_SLIP,
@@ -66,7 +67,7 @@ def behaviours(drives: ManyDrives, workers: int = 1, progress: Progress | None =
         found[steady] = Behaviour.NO_VIBRATION
         cycles = vibrating({key: column[steady] for key, column in far.items()}, drives.size)
         found[steady[cycles]] = Behaviour.COEXISTENCE
-        static = drives.values.get("static_friction_coefficient", np.zeros(drives.size)) > 0
+        static = np.any([drives.values.get(name, np.zeros(drives.size)) > 0 for name in _STATIC], axis=0)
         steady = steady[cycles | static[steady]]
     if steady.size:
         found[steady[vibrating(None, 2 * drives.size)]] = Behaviour.VIBRATION_FROM_REST

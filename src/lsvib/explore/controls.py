@@ -18,7 +18,9 @@ _FROM_ZERO = {  # end of a slider whose parameter is zero: enough to change what
     "axial_support_damping": 1e3,
     "nut_damping": 1e-3,
     "slide_friction": 50.0,
+    "slide_static_friction": 100.0,
     "bearing_friction": 0.05,
+    "bearing_static_friction": 0.1,
     "collar_friction": 0.3,
     "collar_radius": 0.02,
 }

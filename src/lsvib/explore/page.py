@@ -131,7 +131,8 @@ class Page:
                 parameters[name] = text
             elif key == "over":
                 value = getattr(self.view.drive, text, 0.0)  # a name that is not known is refused with the view
-                changes |= {"over": text, **around(value, text)}
+                sliding = getattr(self.view.drive, text.replace("_static", ""), 0.0) if "_static_" in text else 0.0
+                changes |= {"over": text, **around(value, text, sliding)}
             elif key == "window":
                 changes["window"] = Window(*(numbers.start("window", edge) for edge in text.split()))
             elif key == "fit":

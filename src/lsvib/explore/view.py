@@ -104,14 +104,16 @@ def _number(key: str, text: str) -> float:
         raise InputError(f"{key} = {numbers.shown(text)} {error}.") from None
 
 
-def around(value: float, key: str = "") -> dict[str, float]:
+def around(value: float, key: str = "", sliding: float = 0.0) -> dict[str, float]:
     """Return a range of the amplitude curve: from a hundredth of a value to twice, or a little above zero.
 
-    Of a parameter ``key`` of a friction law it is that of :data:`OF_LAW`, from a hundredth of the speed, which must not
-    vanish beside a rise.
+    Of a friction at rest it begins with that in ``sliding``. Of a parameter ``key`` of a friction law it is that of
+    :data:`OF_LAW`, from a hundredth of the speed, which must not vanish beside a rise.
     """
     if key in OF_LAW:
         low, high = OF_LAW[key]
         return {"low": 0.01 * high if key == "stribeck_speed" else low, "high": high}
+    if sliding:
+        return {"low": sliding, "high": 2 * max(value, sliding)}
     ends = sorted((0.01 * value, 2 * value)) if value else [0.0, 1.0]
     return {"low": ends[0], "high": ends[1]}

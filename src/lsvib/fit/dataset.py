@@ -1,12 +1,13 @@
 """The dataset of a fit: points as measured, the fitted law with its errors, and what both ends leave over."""
 
 import json
+import math
 from collections.abc import Sequence
 
 import numpy as np
 
 from lsvib.datasets.attributes import Variable, Variables, named_index, variable
-from lsvib.fit.law import PARAMETERS, Array, Fit, halves, steady_torque
+from lsvib.fit.law import PARAMETERS, STATIC, Array, Fit, halves, steady_torque
 from lsvib.fit.tables import Point
 
 CURVE = 200  # speeds at which the fitted law is stated, evenly spaced in logarithm
@@ -47,6 +48,11 @@ def fit_variables(fit: Fit, points: Sequence[Point]) -> tuple[Variables, Variabl
         values, errors = [end.values[name] for end in ends], [end.errors.get(name, 0.0) for end in ends]
         variables[f"fitted_{name}"] = variable("end", values, unit, f"fitted {words}")
         variables[f"fitted_{name}_error"] = variable("end", errors, unit, f"standard error of the {words}")
+    static = (("1", "static friction coefficient of the threads"), ("N m", "static friction of the bearing"))
+    for name, (unit, words) in zip(STATIC, static, strict=True):
+        pairs = np.array([end.static.get(name, (math.nan, math.nan)) for end in ends])
+        variables[f"fitted_{name}"] = variable("end", pairs[:, 0], unit, f"fitted {words}")
+        variables[f"fitted_{name}_error"] = variable("end", pairs[:, 1], unit, f"standard error of the {words}")
     coordinates: Variables = {
         "end": named_index("end", "end of what the data leave open", list(fit.ends)),
         "load_case": variable("load_case", loads, "N", "axial load of the fitted law", "$W$"),

@@ -12,6 +12,10 @@ bearings and slide, T₀ the error of the torque's zero, which has the same sign
 over the scatter of the residuals. Its singular values are the inverse standard errors of combinations of the numbers.
 With one load T_b acts as the constant of friction, and b as its slope, so that only the sums are determined; then two
 ends are fitted, all of a sum in the threads, and as much as can be in the bearing.
+
+*At rest* both hold up to s T = s T₀ + T_s − s r_m W ξ_±(μ_s), in which μ_s and T_s do the same again. One load in both
+directions leaves their sum; two loads tell them, or else the excess over sliding is in the threads at one end and in
+the bearing at the other.
 """
 
 import math
@@ -24,6 +28,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lsvib.errors import InputError
+from lsvib.fit.starts import Number
 from lsvib.models import friction
 from lsvib.models.mechanics import friction_factor, holding_coefficient, relieved_half, thread_force
 
@@ -39,6 +44,7 @@ PARAMETERS = {  # unit and words, those of the law as parameters of a drive have
 }
 OF_RISE = ("stribeck_rise", "stribeck_speed")
 PAIRS = (("friction_coefficient", "coulomb"), ("friction_slope", "viscous"))  # of the threads, and of the bearing
+STATIC = ("static_friction_coefficient", "bearing_static_friction")  # likewise
 DETERMINED = 0.1  # of the typical torque: largest standard error of what counts as determined
 LARGEST_STATIC = 3.0  # coefficient, as in a data sheet
 LOSS = 3.0  # standard deviations from which on a residual counts as an outlier
@@ -99,21 +105,31 @@ class Measured:
         """Return the sliding speed [m/s] at speeds of the screw [rad/s]."""
         return self.pitch_radius * np.abs(speed) / math.cos(self.lead_angle)
 
+    def pressed(self, sense: Any, load: Any) -> tuple[Any, ...]:
+        """Return the force of loads, that of the relieved half of the nut [N], and the law, turned in a direction."""
+        force = np.abs(load)
+        return force, relieved_half(force, self.preload, self.load_share), np.where(load * sense > 0, -1, 1)
+
+    def threads(self, coefficient: Any, sense: Any, load: Any) -> Any:
+        """Return the torque of the threads [N m] in the direction of turning."""
+        force, relieved, law = self.pressed(sense, load)
+        return self.pitch_radius * thread_force(force, relieved, coefficient, math.tan(self.lead_angle), law)
+
 
 @dataclass(frozen=True)
 class Solution:
     """Numbers that fit the points, by names of :data:`PARAMETERS` and ``stribeck_exponent``.
 
     ``free``: the names that were fitted, in the order of ``covariance`` (f, f); ``residual`` (n) [N m], measured less
-    fitted. ``static``: static coefficient [1] and its standard error, or None; ``absurd``: number of breakaway torques
-    that no static coefficient explains.
+    fitted. ``static``: static friction with its standard error, by names of :data:`STATIC`, where it is above that of
+    sliding; ``absurd``: number of breakaway torques that no static coefficient explains.
     """
 
     values: dict[str, float]
     free: tuple[str, ...]
     covariance: Array
     residual: Array
-    static: tuple[float, float] | None = None
+    static: dict[str, Number] = field(default_factory=dict)
     absurd: int = 0
 
     @property
@@ -147,7 +163,12 @@ class Solution:
             law |= {name: self.values[name] for name in (*OF_RISE, "stribeck_exponent")}
         if self.values["friction_slope"]:
             law["friction_slope"] = self.values["friction_slope"]
-        return law | ({"static_friction_coefficient": self.static[0]} if self.static else {})
+        return law | {name: value for name, (value, _) in self.static.items() if name == STATIC[0]}
+
+    def bearing(self) -> dict[str, float]:
+        """Return dry friction of the bearing as parameters of a drive, those that are not zero."""
+        found = {"bearing_friction": self.values["coulomb"]} if self.values["coulomb"] else {}
+        return found | {name: value for name, (value, _) in self.static.items() if name == STATIC[1]}
 
 
 @dataclass(frozen=True)
@@ -180,10 +201,8 @@ def steady_torque(values: Mapping[str, Any], measured: Measured, speed: Any, loa
     """
     law = SimpleNamespace(**{"stribeck_exponent": 1, **values})
     mu = np.maximum(friction.unbounded_coefficient(law, measured.sliding(speed)), 0.0)
-    sense, force = np.sign(speed), np.abs(load)
-    relieved = relieved_half(force, measured.preload, measured.load_share)
-    way = np.where(load * sense > 0, -1, 1)
-    threads = sense * measured.pitch_radius * thread_force(force, relieved, mu, math.tan(measured.lead_angle), way)
+    sense = np.sign(speed)
+    threads = sense * measured.threads(mu, sense, load)
     return values["offset"] + values["coulomb"] * sense + values["viscous"] * speed + threads
 
 
@@ -217,11 +236,17 @@ def fitted(measured: Measured, given: Mapping[str, float] | None = None) -> Fit:
     singular, lost = _undetermined(measured, whole)
     # Without a constant in the threads, a rise that hardly fades would be one.
     fading = {**fixed, "stribeck_speed": whole.values["stribeck_speed"]}
-    ends = {"fit": whole} if not lost else {
+    ends = {} if not lost else {
         "threads": _solved(measured, {**fixed, **{bearing: 0.0 for _, bearing in lost}}),
         "bearing": _solved(measured, {**fading, **{threads: 0.0 for threads, _ in lost}}),
     }  # fmt: skip
-    found = {name: _with_static(measured, solution) for name, solution in ends.items()}
+    found = {name: _with_static(measured, ends.get(name, whole), name) for name in ("threads", "bearing")}
+    static = any(end.static for end in found.values())
+    apart = _apart(measured, whole) if static and not lost else {}
+    if static and (lost or apart is None):
+        lost = (*lost, STATIC)
+    if not lost:
+        found = {"fit": replace(found["threads"], static=apart or {})}
     _same_sign(measured, found)
     unknown = tuple(name for name in PARAMETERS if name not in fixed)
     return Fit(measured, found, lost, unknown, singular, bool(fixed.get("stribeck_rise", 1.0)), next(iter(near), None))
@@ -330,28 +355,73 @@ def _undetermined(measured: Measured, at: Solution) -> tuple[Array, tuple[tuple[
     return singular, tuple(lost)
 
 
-def _with_static(measured: Measured, solution: Solution) -> Solution:
-    """Add the static coefficient, the median of those of the breakaway torques, where it is above slow sliding's."""
-    if not len(measured.breakaway):
-        return solution
+def _held(measured: Measured, solution: Solution) -> tuple[Array, ...]:
+    """Return torque [N m] in its direction, that, load and coefficient of breakaways that threads explain.
+
+    The coefficient is that with a bearing that holds what it has in sliding.
+    """
     sense, torque, load = measured.breakaway.T
-    held = torque - solution.values["offset"] - solution.values["coulomb"] * sense
-    force = np.abs(load)
-    relieved = relieved_half(force, measured.preload, measured.load_share)
-    law, tangent = np.where(load * sense > 0, -1, 1), math.tan(measured.lead_angle)
-    every = holding_coefficient(sense * held / measured.pitch_radius, force, relieved, tangent, law)
-    found = every[(every >= 0) & (every <= min(LARGEST_STATIC, 0.99 / math.tan(measured.lead_angle)))]
-    middle = float(np.median(found)) if found.size else 0.0
-    # Of normally distributed values: of the median, by the median deviation from it.
-    error = (
-        1.2533 * 1.4826 * float(np.median(np.abs(found - middle))) / math.sqrt(found.size)
-        if found.size > 1
-        else math.nan
-    )
-    if measured.loose:  # the coefficient is nearly in proportion to the torque; of one torque it has no scatter
-        error = math.hypot(measured.loose * middle, error if found.size > 1 else 0.0)
-    slow = solution.values["friction_coefficient"] + solution.values["stribeck_rise"]
-    return replace(solution, static=(middle, error) if middle > slow else None, absurd=every.size - found.size)
+    held, tangent = sense * (torque - solution.values["offset"]), math.tan(measured.lead_angle)
+    force, relieved, law = measured.pressed(sense, load)
+    borne = (held - solution.values["coulomb"]) / measured.pitch_radius
+    every = np.asarray(holding_coefficient(borne, force, relieved, tangent, law))
+    sure = (every >= 0) & (every <= min(LARGEST_STATIC, 0.99 / tangent))
+    return held[sure], sense[sure], load[sure], every[sure]
+
+
+def _with_static(measured: Measured, solution: Solution, end: str) -> Solution:
+    """Add static friction, the median of what breakaway torques make, where it is above that of slow sliding.
+
+    All that is above is in the ``bearing`` at its end, else in the threads.
+    """
+    (held, sense, load, every), bearing = _held(measured, solution), end == "bearing"
+    absurd = len(measured.breakaway) - held.size
+    if not held.size:
+        return replace(solution, absurd=absurd)
+    slow, coulomb = _sliding(solution)
+    found = held - measured.threads(slow, sense, load) if bearing else every
+    middle = float(np.median(found))
+    # Of normally distributed values: of the median, by the median deviation from it. One torque has no scatter.
+    error = 1.2533 * 1.4826 * float(np.median(np.abs(found - middle))) / math.sqrt(found.size)
+    # The torques may all be off by a part; the coefficient is nearly in proportion to them.
+    error = math.hypot(measured.loose * float(np.median(held) if bearing else middle), error)
+    known = (middle, error if error or found.size > 1 else math.nan)
+    above = middle > (coulomb if bearing else slow)
+    return replace(solution, static={STATIC[bearing]: known} if above else {}, absurd=absurd)
+
+
+def _sliding(solution: Solution) -> tuple[float, float]:
+    """Friction of slow sliding: the coefficient of the threads, and the torque of the bearing [N m]."""
+    return solution.values["friction_coefficient"] + solution.values["stribeck_rise"], solution.values["coulomb"]
+
+
+def _apart(measured: Measured, solution: Solution) -> dict[str, Number] | None:
+    """Return static friction of threads and bearing by least squares; None where only the sum is determined.
+
+    Torques are as far off, relative, as they scatter, or by their stated error if that is more, and by that of their
+    zero.
+    """
+    (held, sense, load, every), least = _held(measured, solution), _sliding(solution)
+    if held.size < 2:
+        return None
+    at = np.array([float(np.median(every)), least[1]])
+    for _ in range(2 * ROUNDS):  # of Newton's method; a torque is nearly linear in the coefficient
+        step = 1e-4 * at[0]
+        less, now, more = (measured.threads(at[0] + k * step, sense, load) for k in (-1, 0, 1))
+        columns = np.column_stack([(more - less) / (2 * step), np.ones(held.size)]) / held[:, None]
+        off = (held - now - at[1]) / held
+        inverse = np.linalg.pinv(columns, rcond=1e-9)
+        at = at + inverse @ off
+    scatter = math.sqrt(float(off @ off) / (off.size - 2)) if off.size > 2 else 0.0
+    noise = max(scatter, measured.loose)
+    zero = inverse @ (sense / held) * solution.errors.get("offset", 0.0)
+    error = np.sqrt((inverse**2).sum(axis=1) * noise**2 + zero**2)
+    told = np.linalg.matrix_rank(columns, tol=1e-9 * columns[:, 0].max()) == 2 and noise > 0
+    if not told or error[1] > DETERMINED * measured.sizes["coulomb"]:
+        return None
+    if (at < least).any():  # all that is above sliding is in the other one
+        return _with_static(measured, solution, "bearing" if at[0] < least[0] else "threads").static
+    return {name: (float(x), float(dx)) for name, x, dx in zip(STATIC, at, error, strict=True)}
 
 
 def load_of_directions(measured: Measured, solution: Solution) -> float | None:

@@ -14,7 +14,7 @@ from lsvib.figures import style
 from lsvib.figures.measured_drive import residual_panel, torque_panel
 from lsvib.files import Outputs, write_json, write_text
 from lsvib.fit.dataset import fit_variables
-from lsvib.fit.law import LARGEST_STATIC, PARAMETERS, Solution, falls_up_to, halves, load_of_directions
+from lsvib.fit.law import LARGEST_STATIC, PARAMETERS, STATIC, Solution, falls_up_to, halves, load_of_directions
 from lsvib.fit.records import Record
 from lsvib.fit.sheet import FittedSheet, fit_sheet
 from lsvib.fit.stick_slip import StickSlip
@@ -26,6 +26,11 @@ _ENDS = {
     "threads": "All friction in the threads",
     "bearing": "As much friction as can be in the bearing",
 }
+_AT_REST = {  # ends of static friction alone
+    "threads": "Static friction above sliding in the threads",
+    "bearing": "Static friction above sliding in the bearing",
+}
+_IN_BEARING = {STATIC[1]: "static"}  # what is called otherwise in the block `bearing`
 POOR = 0.1  # of the typical torque: residuals beyond are no good fit
 NONE = 0.3  # of the typical torque: a law that leaves more rms is none to copy
 
@@ -81,6 +86,7 @@ def as_json(found: FittedSheet) -> dict[str, Any]:
         ],
         "records": [_record(table.record) for table in found.tables if table.record],
         "stick_slip": _stick_slip(found.stick_slip),
+        "stick_slip_of_ends": {name: _stick_slip(told) for name, told in found.jerks.items()},
         "inertia": dict(zip(("value", "standard_error"), found.inertia, strict=True)) if found.inertia else None,
         "said": sentences(found),
     }  # fmt: skip
@@ -95,7 +101,10 @@ def _stick_slip(told: StickSlip | None) -> dict[str, Any] | None:
         "damping": told.middle,
         "bounds": bounds,
         "even_speed": told.even_speed,
+        "damping_by_periods": told.by_periods,
+        "jerks_up_to": told.up_to,
         "periods": [list(pair) for pair in told.periods],
+        "periods_uneven": told.uneven and list(told.uneven),
     }
     return {"stiffness": stiffness, "standard_error": error, **known, "doubt": told.doubt or None}
 
@@ -109,12 +118,13 @@ def _record(record: Record) -> dict[str, Any]:
 
 
 def _end(found: FittedSheet, end: Solution) -> dict[str, Any]:
+    static = {_IN_BEARING[k]: value for k, value in end.bearing().items() if k in _IN_BEARING}
     return {
         "friction": end.drive(),
-        "bearing": {name: end.values[name] for name in ("coulomb", "viscous")},
+        "bearing": {name: end.values[name] for name in ("coulomb", "viscous")} | static,
         "offset": end.values["offset"],
         "sheet": found.flank_law(end),
-        "standard_errors": end.errors | ({"static_friction_coefficient": _finite(end.static[1])} if end.static else {}),
+        "standard_errors": end.errors | {_IN_BEARING.get(k, k): _finite(error) for k, (_, error) in end.static.items()},
         "correlation": {"of": list(end.free), "matrix": end.correlation.tolist()},
         "rms": end.rms,
         "largest_residual": float(np.abs(end.residual).max()),
@@ -146,6 +156,7 @@ def sentences(found: FittedSheet) -> list[str]:
         "output_said.j2",
         found=found,
         fit=fit,
+        not_separable=fit.not_separable,
         main=main,
         loads=[f"{value:.3g}" for value in sorted(loads)],
         one_load=np.ptp(measured.load) == 0,
@@ -169,7 +180,13 @@ def _falls(found: FittedSheet, load: float, sense: int) -> float:
 
 def _rendered(template: str, **values: Any) -> str:
     templates = environment(Path(__file__).parent)
-    constants = {"POOR": POOR, "NONE": NONE, "ENDS": _ENDS, "PARAMETERS": PARAMETERS, "LARGEST_STATIC": LARGEST_STATIC}
+    constants = {
+        "POOR": POOR,
+        "NONE": NONE,
+        "ENDS": _AT_REST if [tuple(pair) for pair in values["not_separable"]] == [STATIC] else _ENDS,
+        "PARAMETERS": PARAMETERS | {"static": ("N m",)},
+        "LARGEST_STATIC": LARGEST_STATIC,
+    }
     templates.globals |= constants | {"rpm": lambda speed: speed * 30 / np.pi}
     return templates.get_template(template).render(**values)
 
@@ -179,9 +196,9 @@ def blocks(result: dict[str, Any]) -> str:
 
     Each is introduced by a comment. Nothing but a comment where the law leaves so much of the torque that it is none.
     """
-    rubs, brakes = result["bearing"]["coulomb"], result["bearing"]["viscous"]
-    parts = result["friction"] | ({"bearing_friction": rubs} if rubs else {})
-    parts |= {"support_damping": brakes} if brakes else {}
+    rubs, brakes, holds = (result["bearing"].get(name, 0.0) for name in ("coulomb", "viscous", "static"))
+    of_bearing = {"bearing_friction": rubs, STATIC[1]: holds, "support_damping": brakes}
+    parts = result["friction"] | {name: value for name, value in of_bearing.items() if value}
     jerks = result["stick_slip"]
     if jerks and jerks["damping"]:
         parts |= {"coupling_stiffness": jerks["stiffness"], "support_damping": jerks["damping"] + brakes}

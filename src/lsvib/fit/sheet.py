@@ -230,7 +230,7 @@ class Table:
 class FittedSheet:
     """A sheet with its points (n), as read from the tables, and the fit; ``half_angle`` of the thread [rad].
 
-    ``stick_slip``: what jerks tell, None where no file has any; ``inertia`` [kg m²] of what turns, as starts tell it.
+    ``jerks``: what jerks tell of each end of the fit; ``inertia`` [kg m²] of what turns, as starts tell it.
     """
 
     name: str
@@ -239,8 +239,20 @@ class FittedSheet:
     fit: Fit
     half_angle: float
     tables: list[Table]
-    stick_slip: StickSlip | None
+    jerks: dict[str, StickSlip]
     inertia: Number | None
+
+    @property
+    def stick_slip(self) -> StickSlip | None:
+        """What jerks tell of the first end; None where no file has any."""
+        return next(iter(self.jerks.values()), None)
+
+    @property
+    def too_lively(self) -> float | None:
+        """The least speed [rad/s] up to which it would jerk, if it jerks as often as it did, where files were even."""
+        found = [(one.damping[0] - one.by_periods, one.up_to) for one in self.jerks.values()
+                 if one.damping and one.by_periods and one.up_to]  # fmt: skip
+        return min(up_to for _, up_to in found) if found and all(short > 0 for short, _ in found) else None
 
     def flank_law(self, solution: Solution) -> dict[str, Any]:
         """Return a friction law as the block ``friction`` of a data sheet, with coefficients of the flanks."""
@@ -292,9 +304,10 @@ def fit_sheet(path: Path) -> FittedSheet:
     records = {(table.speed, table.load, table.mass): record for table, record in jerks}
     inertia = _inertia(tables, measured, fit.main)
     given = draw.get("screw.inertia", inertia[0] if inertia else None)
-    told = explained(measured, fit.main, records, even, given)
+    told = {name: explained(measured, end, records, even, given) for name, end in fit.ends.items()}
+    known = {name: one for name, one in told.items() if one is not None}
     said = [text for table in tables for text in table.said]
-    return FittedSheet(sheet.name, [point for point, _ in moving], said, fit, half_angle, tables, told, inertia)
+    return FittedSheet(sheet.name, [point for point, _ in moving], said, fit, half_angle, tables, known, inertia)
 
 
 def _inertia(tables: Iterable[Table], measured: Measured, solution: Solution) -> Number | None:

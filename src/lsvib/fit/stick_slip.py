@@ -18,9 +18,11 @@ from lsvib.fit.law import Measured, Solution
 from lsvib.fit.records import Record
 from lsvib.fit.starts import Number
 from lsvib.models.drive import Drive
+from lsvib.stability.solve import bracketed_root
 from lsvib.stability.starting import end_from_rest, even_from, runs_evenly
 
 MOST = 30.0  # times critical damping 2 √(k J): largest damping that is tried
+WEAK = 1e-3  # of the most damping with which it jerks: what is tried as none
 SEEN = 0.8  # of the period that jerks would have: averaged over more, they are not seen
 BENT = 0.02  # standard error of all slopes in common, relative, as real ramps are no straight lines
 
@@ -34,14 +36,18 @@ class StickSlip:
     ``stiffness`` [N m/rad] with its standard error. With inertia and mass of the drive ``damping`` [N m s/rad]: the
     least by which the files that were even are, and the most by which those that jerked jerk, standard errors included;
     in the middle of both ``even_speed`` [rad/s], from which on the drive runs evenly once started in the direction and
-    under the load of each record, and of each the measured and its own of ``periods`` [s]. ``doubt``: why these are not
-    known.
+    under the load of each record. ``by_periods``: the damping with which it jerks as often as the screw in the mean of
+    all records, ``up_to`` which speed [rad/s], and of each the measured and its own of ``periods`` [s], whose ratios
+    differ between records by ``uneven`` [1]. ``doubt``: why these are not known.
     """
 
     stiffness: Number
     damping: tuple[float, float] | None = None
     even_speed: float | None = None
+    by_periods: float | None = None
+    up_to: float | None = None
     periods: tuple[Number, ...] = ()
+    uneven: Number | None = None
     doubt: str = ""
 
     @property
@@ -81,7 +87,7 @@ def explained(
         return replace(known, doubt=f"they take {missing} too")
     if measured.preload:
         return replace(known, doubt="the motion of a preloaded nut is not followed")
-    if solution.static is None:
+    if not solution.static:
         return replace(known, doubt="the torque at which the screw breaks loose is not above that of slow sliding")
     jerks = {at: record.period[0] for at, record in records.items() if record.period is not None}
     swing = max(
@@ -89,9 +95,16 @@ def explained(
     )
     seen = [at for at, blur in even if blur < SEEN * swing / (known.stiffness[0] * abs(at[0]))]
     try:
-        return _damped(measured, solution, known, jerks, slowest(seen), inertia)
+        found = _damped(measured, solution, known, jerks, slowest(seen), inertia)
     except LsvibError as error:
         return replace(known, doubt=str(error).removesuffix("."))
+    if len(found.periods) < 2:
+        return found
+    # A drop of the torque, and with it a period, is about twice what breaks loose less what slides.
+    told = [(one.breakaway, one.after) for one in records.values() if one.breakaway and one.after]
+    parts = [2 * error / (before - after) for (before, error), (after, _) in told]
+    ratios = [model / period for period, model in found.periods]
+    return replace(found, uneven=(max(ratios) - min(ratios), math.hypot(*parts)))
 
 
 def _damped(
@@ -103,15 +116,14 @@ def _damped(
     inertia: float,
 ) -> StickSlip:
     """Add damping, even speed and periods by motions from rest; ``jerks``: measured periods [s]."""
-    static = solution.static or (math.nan, math.nan)
-    law = solution.drive() | {"bearing_friction": solution.values["coulomb"]}
+    law, unsure = solution.drive() | solution.bearing(), {"coupling_stiffness": known.stiffness} | solution.static
 
     def drive(speed: float, load: float, mass: float, damping: float, errors: float = 0.0) -> Drive:
         """The drive at a speed under a load, with stiffness and static friction changed by so many standard errors."""
-        stiff, rough = (value + errors * error for value, error in (known.stiffness, static))
+        changed = {name: value + errors * error for name, (value, error) in unsure.items()}
         return Drive(
-            **law | {"static_friction_coefficient": rough}, pitch_radius=measured.pitch_radius, mass=mass,
-            lead_angle=measured.lead_angle, screw_inertia=inertia, axial_force=-load, coupling_stiffness=stiff,
+            **law | changed, pitch_radius=measured.pitch_radius, mass=mass,
+            lead_angle=measured.lead_angle, screw_inertia=inertia, axial_force=-load,
             support_damping=damping + solution.values["viscous"], input_speed=speed,
         )  # fmt: skip
 
@@ -133,14 +145,26 @@ def _damped(
     if (damping := found.middle) is None:
         return replace(found, doubt="no file was surely even, so the damping has no lower bound")
 
-    def fast(at: Place) -> float:
+    def fast(at: Place, damping: float) -> float:
         """The speed from which on it runs evenly in the direction of a place."""
         return surely_even_from(lambda v: drive(math.copysign(v, at[0]), *at[1:], damping), 100 * abs(at[0]))
 
-    pairs = ((seen, end_from_rest(drive(*at, damping)).period) for at, seen in jerks.items())
-    speed = max(map(fast, jerks))
-    periods = tuple(pair for pair in pairs if math.isfinite(pair[1]))
-    return replace(found, even_speed=speed if speed < math.inf else None, periods=periods)
+    speed = max(fast(at, damping) for at in jerks)
+    found = replace(found, even_speed=speed if speed < math.inf else None)
+
+    def periods(damping: float) -> list[Number]:
+        """Measured periods, and those of the drive, infinite where it does not jerk."""
+        return [(seen, end_from_rest(drive(*at, damping)).period) for at, seen in jerks.items()]
+
+    def longer(damping: float) -> float:
+        """By how much, in logarithm, jerks of the drive are longer in the mean."""
+        return sum(math.log(model / seen) if model < math.inf else -10.0 for seen, model in periods(damping))
+
+    if not longer(WEAK * high) > 0 > longer(high):
+        return found
+    own = bracketed_root(longer, WEAK * high, high, 1e-3 * high)
+    up_to = max(fast(at, own) for at in jerks)
+    return replace(found, by_periods=own, up_to=up_to, periods=tuple(periods(own)))
 
 
 def surely_even_from(drive: Callable[[float], Drive], most: float) -> float:

@@ -1,5 +1,6 @@
 """A drive in words and numbers: its parts, coordinates, equations of motion and modes, so that one sees what it is."""
 
+from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -89,7 +90,19 @@ def _bodies(drive: Drive, reach: float) -> list[str]:
     lines.append(f"{d.mass:.6g} x″ = {right + ' ' if right else ''}− n")
     angle = "(θ − θ_2)" if turns else "θ"
     lines.append(f"x = {reach:.6g} {angle}{' + x_1' if shifts else ''}{' + e' if 'threads' in d.parts else ''}")
-    return [*lines, "z = θ − θ_m" if "motor" in d.parts else f"z = θ − {d.input_speed:.6g} t"]
+    turned = f" − {d.input_speed:.6g} t" if d.input_speed else ""
+    return [*lines, "z = θ − θ_m" if "motor" in d.parts else f"z = θ{turned}"]
+
+
+def _held(mechanism: Mechanism) -> Iterator[str]:
+    """Say up to which friction slide and bearing hold, by themselves or together with the threads."""
+    of = {"slide": ("x′ = 0", "N"), "bearing": ("θ′ = 0", "N m")}
+    for name, holding in mechanism.holding.items():
+        speed, unit = of[name]
+        if name in mechanism.own:
+            yield f"held: {speed} while friction of the {name}, up to {float(holding):.6g} {unit}, holds"
+        else:
+            yield f"rest: the {name} holds up to {float(holding):.6g} {unit}, and lets go together with the threads"
 
 
 def _sum(terms: list[tuple[str, float, str]]) -> str:
@@ -103,6 +116,7 @@ def _threads(drive: Drive, mechanism: Mechanism) -> list[str]:
     lines = [
         f"slip: τ = {levers[0]:.6g} n where n ({slip}) > 0, τ = {levers[1]:.6g} n where it is < 0",
         f"rest: {slip} = 0 while static friction, μ = {float(mechanism.d.static_friction):.6g}, holds",
+        *_held(mechanism),
     ]
     if friction.depends_on_speed(drive):
         lines[0] += ", at slow sliding"

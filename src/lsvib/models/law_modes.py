@@ -42,7 +42,8 @@ class LawModes(Modes):
             return (math.inf if sign(low) else 0.0), math.inf
         if found.shape[-2] > 1:
             raise InputError(
-                "friction reaches the Painlevé region in two ranges of speed; such drives are not followed."
+                "friction leaves the Painlevé region in two ranges of speed, with the region between them; such drives "
+                "are not followed."
             )
         return low, high
 

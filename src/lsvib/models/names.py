@@ -71,7 +71,8 @@ def sides_of_rest(parts: Iterable[str]) -> tuple[int, ...]:
 def own_frictions(parts: Iterable[str], dry: Iterable[str]) -> tuple[str, ...]:
     """Return the dry frictions whose body may slide or be held by itself while the threads slip."""
     free = {"bearing": {"nut"}, "slide": {"support", "threads"}}
-    return tuple(name for name, needs in free.items() if f"{name}_friction" in dry and needs & set(parts))
+    rubs = {name for name in free if {f"{name}_friction", f"{name}_static_friction"} & set(dry)}
+    return tuple(name for name, needs in free.items() if name in rubs and needs & set(parts))
 
 
 def mode_names(own: tuple[str, ...], sides: tuple[int, ...]) -> Iterator[str]:

@@ -179,6 +179,9 @@ class Line:
             slowest = sum(fmpq(*x.as_integer_ratio()) for x in (drive.friction_coefficient, drive.stribeck_rise))
             most = max(slowest, static)
             return min(1 / most, steepest) if most else steepest
+        at_rest = {"slide_friction": drive.slide_static_friction, "bearing_friction": drive.bearing_static_friction}
+        if at_rest.get(self.unknown):  # which friction in motion is not above
+            return fmpq(*at_rest[self.unknown].as_integer_ratio())
         if self.unknown not in ("friction_coefficient", "static_friction_coefficient", *friction.OF_SPEED):
             return fmpq(*float(rules_of(Drive)[self.unknown]["maximum"]).as_integer_ratio())
         place = self.at(fmpq_poly([0, 1]))

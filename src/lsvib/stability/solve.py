@@ -283,6 +283,9 @@ def _natural(drive: Drive, unknown: str) -> float:
     """A size of a parameter that may be zero, from the others, in its SI unit."""
     rate = math.sqrt(drive.coupling_stiffness / drive.screw_inertia)  # 1/s
     lever = drive.pitch_radius * math.tan(drive.lead_angle)  # m
+    force = abs(drive.axial_force) or drive.mass * lever * rate * abs(drive.input_speed)  # N
+    torque = drive.pitch_radius * abs(drive.axial_force) * drive.friction_coefficient
+    torque = torque or drive.screw_inertia * rate * abs(drive.input_speed)  # N m
     sizes: dict[str, float] = {
         "support_damping": drive.screw_inertia * rate,
         "translation_damping": drive.screw_inertia * rate / lever / lever,
@@ -292,8 +295,10 @@ def _natural(drive: Drive, unknown: str) -> float:
         "stribeck_rise": drive.friction_coefficient,
         "stribeck_speed": drive.pitch_radius * abs(drive.input_speed),
         "friction_slope": drive.friction_coefficient / (drive.pitch_radius * abs(drive.input_speed)),
-        "slide_friction": abs(drive.axial_force),
-        "bearing_friction": drive.pitch_radius * abs(drive.axial_force) * drive.friction_coefficient,
+        "slide_friction": drive.slide_static_friction or force,
+        "slide_static_friction": drive.slide_friction or force,
+        "bearing_friction": drive.bearing_static_friction or torque,
+        "bearing_static_friction": drive.bearing_friction or torque,
         "collar_friction": math.tan(drive.lead_angle),
         "collar_radius": drive.pitch_radius,
         "coupling_damping": drive.screw_inertia * rate,
