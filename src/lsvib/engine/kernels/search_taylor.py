@@ -154,6 +154,17 @@ def first_fall(form, on_surface, rounding, top, local):
 
 
 @inlined_kernel
+def _rests(series, guard):
+    """Whether a guard that began on zero is still there: that of a contact without a force, while its bodies stand."""
+    n = series.here.size
+    value, size = guard[n], abs(guard[n])
+    for i in range(n):
+        value += guard[i] * series.here[i]
+        size += abs(guard[i]) * series.sizes[i]
+    return abs(value) <= 8.0 * EPS * size
+
+
+@inlined_kernel
 def _moves(series):
     """Whether a state moves at all."""
     moves = False
@@ -199,7 +210,7 @@ def search(flow, mode, state, guards, on_surface, limit, work):
         go_on(work, step)
         passed, piece = passed + step, following
         for guard in range(guards.shape[0]):
-            on_surface[guard] = False
+            on_surface[guard] = on_surface[guard] and _rests(work, guards[guard])
     return NONE, -1, limit
 
 
