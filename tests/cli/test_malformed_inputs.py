@@ -38,8 +38,8 @@ COMMANDS = [
     ("config --set lead_angle_deg=95", f"{RANGE} 5.72958e-05 <= "),
     ("config --set lead_angle=0.1 --set lead_angle_deg=5", "both given"),
     ("config --set input_speed=1e-13", "0 or 1e-12 <= |input_speed| <= 1e+09"),
-    ("stability --set input_speed=0", "input_speed = 0 lets the drive go"),
-    ("thresholds --set input_speed=0", "input_speed = 0 lets the drive go"),
+    ("stability --set input_speed=0", "input_speed = 0 holds the motor still"),
+    ("thresholds --set input_speed=0", "input_speed = 0 holds the motor still"),
     (
         "config --set slide_friction=3 --set slide_static_friction=2",
         f"slide_static_friction = 2 {RANGE} 0 or slide_friction = 3 <= slide_static_friction <= 1e+12",
@@ -194,7 +194,7 @@ REFUSED_THRESHOLDS = [
     (DRIVE(mass=11), ("onset", "input_speed"), "for every input speed below zero and for none on the other side"),
     (RUBS.replace(mass=11, slide_static_friction=20), ("onset", "slide_friction"), "stable for no slide friction"),
     (ROUGH, ("stick", "static_friction_coefficient"), "stick does not depend on static_friction_coefficient."),
-    (JERKING.replace(static_friction_coefficient=0), ("even_speed",), "ends in steady sliding at any input_speed"),
+    (JERKING.replace(static_friction_coefficient=0), ("even_speed",), "ends in steady sliding at every input_speed"),
     (JERKING.replace(support_damping=0), ("even_speed",), "the motion from rest does not end in steady sliding at any"),
     *((FALLING, (name, key), OF_CONSTANT.format(name)) for name in ("stick", *CLOSED) for key in (None, "mass")),
     *((ROUGH, (name,), OF_LEVEL) for name in CLOSED),
@@ -259,7 +259,7 @@ PYTHON = [
     (lambda: support_drive(slide_friction=1, **SLIDES).automaton(), "slide_friction = 1 is not followed where"),
     (lambda: nut_drive(bearing_friction=1, **SLIDES).automaton(), "bearing_friction = 1 is not followed where"),
     (lambda: nut_drive(bearing_static_friction=1, **SLIDES).automaton(), "bearing_static_friction = 1 is not followed"),
-    *((call, "input_speed = 0 lets the drive go") for call in (LET_GO.cycles, LET_GO.basin, LET_GO.resilience)),
+    *((call, "input_speed = 0 holds the motor still") for call in (LET_GO.cycles, LET_GO.basin, LET_GO.resilience)),
 ]
 
 

@@ -16,6 +16,7 @@ from lsvib.assess.margins import Margin, changeable
 from lsvib.assess.operation import Draw, Operation
 from lsvib.assess.vibration import Vibration, work_of_many
 from lsvib.errors import InputError
+from lsvib.models.drive import STATIC
 from lsvib.stability.starting import even_from, runs_evenly
 
 BEYOND = 10.0  # how many times below and above the window speeds are tried
@@ -24,11 +25,7 @@ _CLOSE = 1e-3  # relative, to which a factor is closed in on
 _FACTORS = (1.5, 3.0)  # and their inverses: changes of one quantity that are tried
 _DRAWS = 16  # random drives that are started
 _WORK = 2_000  # of a motion, a fraction of a second where friction follows a law
-_STATIC = {  # friction at rest of each contact, and in motion
-    "threads": ("static_friction_coefficient", ("friction_coefficient", "stribeck_rise")),
-    "guide": ("slide_static_friction", ("slide_friction",)),
-    "bearing": ("bearing_static_friction", ("bearing_friction",)),
-}
+_CONTACTS = ("threads", "guide", "bearing")  # whose friction at rest STATIC has
 Place = tuple[int, float]  # direction of travel, force [N]
 
 
@@ -87,7 +84,8 @@ def starting(draw: Draw, draws: Iterable[Draw], advise: bool = True) -> Starting
         ends = [whole(low, own) for own in islice(draws, _DRAWS)]
         jerks, share = None if even_speed is None else False, ends.count(False) / max(len(ends), 1)
         return Starting(jerks, there, even_speed, share=share, drawn=len(ends))
-    without = {where: {static: 0.0} for where, (static, _) in _STATIC.items() if static in draw.values}
+    own = zip(_CONTACTS, STATIC, strict=True)
+    without = {where: {static: 0.0} for where, static in own if static in draw.values}
     if draw.sheet.followed:
         without["static"] = {static: 0.0 for one in without.values() for static in one}
         without["law"] = {**without["static"], "stribeck_rise": 0.0, "friction_slope": 0.0}
@@ -125,7 +123,7 @@ def _changes(draw: Draw, asked: list[tuple[Place, float]]) -> Iterator[Margin]:
 
     for name, keys in changeable(values).items():
         sides = [list(_FACTORS), [1 / factor for factor in _FACTORS]]
-        if slowest := dict(_STATIC.values()).get(name):  # it cannot be below that of slow sliding, nor that by rounding
+        if slowest := STATIC.get(name):  # it cannot be below that of slow sliding, nor that by rounding
             least = sum(values.get(key, 0.0) for key in slowest) / values[name] * (1 + 1e-12)
             sides = [[*(factor for factor in sides[1] if factor > least), *([least] if least else [])]]
         ends = []

@@ -121,7 +121,10 @@ def basin(drive: Drive) -> Basin:
     cannot follow the boundary.
     """
     if not drive.rigid:
-        raise InputError("the boundary of the basin is known for rigid drives only; attraction maps that of any other.")
+        raise InputError(
+            "the boundary of the basin is known for rigid drives without friction of slide, bearing and collar only; "
+            "attraction maps that of any other."
+        )
     if wanted := friction.refusal(drive, law=True):
         raise InputError(f"the boundary of the basin {wanted}.")
     if drive.input_speed < 0:

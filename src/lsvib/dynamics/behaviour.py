@@ -15,6 +15,7 @@ from lsvib.dynamics.attractor import Attractor
 from lsvib.dynamics.kernels.sweep import REVERSES
 from lsvib.dynamics.sweep import Starts, all_endings
 from lsvib.models import mechanics
+from lsvib.models.drive import STATIC
 from lsvib.models.many import ManyDrives
 from lsvib.numbers import Progress
 
@@ -33,7 +34,6 @@ class Behaviour(IntEnum):
     VIBRATION_FROM_REST = 7  # steady sliding attracts what is near, a cycle the motion that begins at rest
 
 
-_STATIC = ("static_friction_coefficient", "slide_static_friction", "bearing_static_friction")
 _OF_CYCLES = {
     Attractor.OTHER_CYCLE: Behaviour.PURE_SLIP,
     Attractor.STICK_SLIP_CYCLE: Behaviour.STICK_SLIP,
@@ -67,7 +67,7 @@ def behaviours(drives: ManyDrives, workers: int = 1, progress: Progress | None =
         found[steady] = Behaviour.NO_VIBRATION
         cycles = vibrating({key: column[steady] for key, column in far.items()}, drives.size)
         found[steady[cycles]] = Behaviour.COEXISTENCE
-        static = np.any([drives.values.get(name, np.zeros(drives.size)) > 0 for name in _STATIC], axis=0)
+        static = np.any([drives.values.get(name, np.zeros(drives.size)) > 0 for name in STATIC], axis=0)
         steady = steady[cycles | static[steady]]
     if steady.size:
         found[steady[vibrating(None, 2 * drives.size)]] = Behaviour.VIBRATION_FROM_REST

@@ -108,6 +108,11 @@ IN_WORDS = {
 }
 # Dry friction against the ground, not in the threads.
 DRY = ("slide_friction", "slide_static_friction", "bearing_friction", "bearing_static_friction", "collar_friction")
+STATIC = {  # friction at rest of each contact, and the parameters whose sum is that of slow sliding
+    "static_friction_coefficient": ("friction_coefficient", "stribeck_rise"),
+    "slide_static_friction": ("slide_friction",),
+    "bearing_static_friction": ("bearing_friction",),
+}
 _UNLESS_ZERO = (*friction.NAMES, *DRY, "collar_radius", "coupling_damping")
 
 Number = Annotated[float, BeforeValidator(number)]
@@ -458,8 +463,8 @@ def require_direction(drive: Drive) -> None:
     """Raise ``InputError`` for a drive that is let go, which has no steady sliding."""
     if not drive.input_speed:
         raise InputError(
-            "input_speed = 0 lets the drive go, so there is no steady sliding to tell of; give it another value, or "
-            "follow motions by simulate, steady_state, sweep or attraction."
+            "input_speed = 0 holds the motor still and lets the drive go, so there is no steady sliding; set a speed, or "
+            "follow motions (simulate, sweep, attraction)."
         )
 
 

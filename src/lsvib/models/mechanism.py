@@ -82,7 +82,8 @@ class Mechanism:
     may slide or be held while the threads slip: elsewhere its speed is that of the slip.
     ``speed`` is the row of θ′, ``slip`` that of ω, ``nut_speed`` that of x′, ``deflection`` that of z, ``commanded``
     that of Ω(t), ``away`` that of u′; ``force`` [N] and ``steady_law``, s_0, are those of steady sliding; ``sides``:
-    the signs of n at rest, or 0 alone where it is constant; ``compliant``: whether the threads are.
+    the signs of n at rest, or 0 alone where it is constant; ``compliant``: whether the threads are; ``idle``: whether
+    they have neither friction nor a force to carry, as those of a body behind a spring, so that n is not felt.
     """
 
     def __init__(self, d: Any, parts: Iterable[str], slowest: Any, command: tuple[float, float] | None = None) -> None:
@@ -106,6 +107,8 @@ class Mechanism:
             self.commanded = (*(0 for _ in self.states[1:]), command[1], command[0])
         # rest then holds as much as slow sliding carries
         self.same = not any(map(sign, (d.static_friction_coefficient, *static.values())))
+        felt = d.friction_coefficient, d.static_friction_coefficient, d.stribeck_rise, d.friction_slope, d.collar
+        self.idle = not ({*parts} - {"motor"} or any(map(sign, (*felt, d.axial_force, self.limits.get("slide", 0)))))
         self.turning = sign(d.input_speed)
         xi = {s: self._factor(d.steady_friction, s) for s in (1, -1)}
         self.xi_rest = {s: self._factor(d.static_friction, s) for s in xi}
@@ -313,6 +316,8 @@ class Mechanism:
             normal = self.pressed(rates)
         elif law:
             normal = scaled(contact, 1 / (d.cos_lead + law * (self.slowest if mu is None else mu) * d.sin_lead))
+        elif self.idle:  # the bearing holds all
+            normal = scaled(contact, d.cos_lead)
         else:
             normal = plus(scaled(contact, d.cos_lead), scaled(torque, -d.sin_lead / d.pitch_radius))
         return Solution(law, tuple(field), frozen, contact, normal, torque, {name: found[name] for name in held})
@@ -348,7 +353,7 @@ class Mechanism:
     def released(self, direction: int, side: int) -> int:
         """Return the sign of n with which slip begins: the side of rest; without a force the threads resist."""
         load = self.d.axial_force - (self.holding["slide"] * direction if "slide" in self.tied else 0)
-        return side or sign(load, "axial_force") or -direction
+        return side or sign(load, "axial_force") or (1 if self.idle else -direction)
 
     def reset(self, rests: bool, held: Iterable[str]) -> tuple[Row, ...]:
         """Return the rows of the reset that puts speeds on exactly zero: that of the slip, and those of bodies."""

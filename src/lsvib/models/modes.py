@@ -75,7 +75,8 @@ class Modes:
         self.paradox = sign(self.low) > 0
         self.seizes = self.paradox and not m.compliant
         self._refuse()
-        directions = [(d, q) for d in DIRECTIONS for q in SIGNS if not self.seizes or d * q < 0]
+        self.signs = (1,) if m.idle else tuple(SIGNS)
+        directions = [(d, q) for d in DIRECTIONS for q in self.signs if not self.seizes or d * q < 0]
         self.ways = tuple(product(HOW, repeat=len(m.own)))
         self.slips = [(d, q, ways) for d, q in directions for ways in self.ways]
         self.rests = [(0, side, ways) for side in m.sides for ways in self.ways]
@@ -196,18 +197,22 @@ class Modes:
         return Guard(surface, side, transition)
 
     def _slip_guards(self, key: Key) -> tuple[Guard, ...]:
-        (d, q, ways), here, m = key, self.name(key), self.m
-        if self.seizes:
-            self.transitions[f"contact_{here}"] = Transition(tuple(self._after_seizure(d)), reset=m.impact)
-        else:
-            turned = Branch(self.name((d, -q, ways)), Event.CONTACT_REVERSAL, sign=-q)
-            self.transitions[f"contact_{here}"] = Transition((turned,))
-        suffix = self._suffix(ways)
-        contact = self._guard(f"contact_{DIRECTIONS[d]}{suffix}", self.gauge(d, ways), q, f"contact_{here}")
+        (d, _, ways), m, suffix = key, self.m, self._suffix(key[2])
+        contact = () if m.idle else (self._contact_guard(key),)
         if f"stop{suffix}" not in self.transitions:
             self.transitions[f"stop{suffix}"] = self._stop("slip", 0, ways)
         stop = self._guard("slip_speed", m.slip, d, f"stop{suffix}", m.place.get("nut", 0) + 1)
-        return (contact, stop, *self._body_guards(key))
+        return (*contact, stop, *self._body_guards(key))
+
+    def _contact_guard(self, key: Key) -> Guard:
+        """Return the guard of slip on n = 0."""
+        (d, q, ways), here = key, self.name(key)
+        if self.seizes:
+            self.transitions[f"contact_{here}"] = Transition(tuple(self._after_seizure(d)), reset=self.m.impact)
+        else:
+            turned = Branch(self.name((d, -q, ways)), Event.CONTACT_REVERSAL, sign=-q)
+            self.transitions[f"contact_{here}"] = Transition((turned,))
+        return self._guard(f"contact_{DIRECTIONS[d]}{self._suffix(ways)}", self.gauge(d, ways), q, f"contact_{here}")
 
     def _held_in(self, ways: Ways) -> list[str]:
         """Return the dry frictions that hold their bodies."""
@@ -315,7 +320,9 @@ class Modes:
     def _by_sign(self, direction: int, ways: Ways) -> list[tuple[Key, tuple[Side, ...]]]:
         """The modes in which all move so, by the sign of n, with the conditions under which it has that sign."""
         if direction:
-            return [((direction, q, ways), self._carries(direction, q, ways)) for q in SIGNS]
+            return [
+                ((direction, q, ways), () if self.m.idle else self._carries(direction, q, ways)) for q in self.signs
+            ]
         row = self._at_rest(ways)
         signed = {side: ((scaled(row, side), Test.NOT_NEGATIVE),) if side else () for side in self.m.sides}
         return [((0, side, ways), conditions) for side, conditions in signed.items()]

@@ -26,14 +26,9 @@ from flint import arb, arb_series
 
 from lsvib.errors import NoThreshold
 from lsvib.models import friction, mechanics
-from lsvib.models.drive import Drive, require_direction
+from lsvib.models.drive import STATIC, Drive, require_direction
 from lsvib.stability.solve import bracketed_root
 
-_AT_REST = {  # dry frictions of threads, guide and bearing, and what they are at rest
-    "friction_coefficient": "static_friction_coefficient",
-    "slide_friction": "slide_static_friction",
-    "bearing_friction": "bearing_static_friction",
-}
 CLOSE = 1e-25  # relative error of a time before Newton's method, which squares it in every step
 
 
@@ -146,8 +141,8 @@ class SlipDrive:
         self.speed, self.force = p["input_speed"] * sense, p["axial_force"] * sense
         self.onset = self.lever * self.slide * self.speed
         self.net = self.force - self.onset
-        self.tangent, self.sliding = t, [p.get(name, 0) for name in _AT_REST]
-        self.static = [p.get(at_rest, p.get(name, 0)) for name, at_rest in _AT_REST.items()]
+        self.tangent, self.sliding = t, [p.get(name, 0) for name, *_ in STATIC.values()]
+        self.static = [p.get(name, sliding) for name, sliding in zip(STATIC, self.sliding, strict=True)]
         d = SimpleNamespace(**p, tan_lead=t)
         self.xi, self.inertia, self.damping = mechanics.by_law(d, d.friction_coefficient)
         turned = self.mass * d.support_damping - d.screw_inertia * self.slide

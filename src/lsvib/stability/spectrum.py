@@ -48,9 +48,13 @@ class UndampedClass(IntEnum):
 
 
 def steady_law(drive: Drive) -> int:
-    """Return the law s_0 of steady sliding (:func:`sliding_law`); ``InputError`` if the contact carries no force."""
-    if law := sliding_law(drive):
-        return law
+    """Return the law s_0 of steady sliding (:func:`sliding_law`); ``InputError`` if the contact carries no force.
+
+    Without friction both laws are one, and it is 1.
+    """
+    law = sliding_law(drive)
+    if law or not (drive.friction_coefficient or drive.collar_friction or friction.depends_on_speed(drive)):
+        return law or 1
     raise InputError("axial_force balances damping and friction exactly, so the contact carries no force.")
 
 

@@ -19,12 +19,13 @@ Stribeck friction, ICRA 1990) asked the same by dimensional analysis.
 import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
+from dataclasses import replace
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.errors import EngineError, InputError, NoThreshold
-from lsvib.models.drive import Drive, once
+from lsvib.models.drive import STATIC, Drive, once
 from lsvib.models.mechanism import standing_state
 from lsvib.models.model import automaton_of
 from lsvib.results import Threshold, ThresholdSolution
@@ -94,7 +95,8 @@ def even_from(evenly: Callable[[float], bool | None], tried: Sequence[float], hi
 
 def tried(drive: Drive, unknown: str) -> list[tuple[float, bool]]:
     """Return the values of a parameter that are tried, each with whether the drive runs evenly there, where known."""
-    values = samples(drive, unknown, (), DECADES, PER_DECADE)
+    ends = [sum(getattr(drive, name) for name in names) for static, names in STATIC.items() if static == unknown]
+    values = samples(drive, unknown, ends, DECADES, PER_DECADE)
     if unknown == "input_speed":
         values = [value for value in values if value * drive.input_speed > 0]
     known = ((value, runs_evenly(drive.replace(**{unknown: value}))) for value in values)
@@ -121,7 +123,8 @@ def touching(drive: Drive) -> Start:
     with many_digits():
         d = SlipDrive.of(drive)
         law, _ = d.braked(d.sliding)
-        if not (d.inertia[law] > 0 and d.damping[law] > 0 and (d.net - d.sliding[1]) * law > 0):
+        one_law = (d.net - d.sliding[1]) * law > 0 or not drive.friction_coefficient
+        if not (d.inertia[law] > 0 and d.damping[law] > 0 and one_law):
             raise NoThreshold("slip from the end of rest is no damped oscillation under one law.")
         back = Slip(d.inertia[law], -d.damping[law], d.stiffness)
         if not back.turns:
@@ -141,11 +144,14 @@ def even_speed(drive: Drive, unknown: str) -> Threshold:
         near = drive.replace(**{unknown: middle})
         with suppress(Singular, NoThreshold):
             closed = newton(near, unknown, touching(near), middle)
+            if not near.friction_coefficient:  # with some the law would turn over where n does
+                known_by = {name: one for name, one in closed.derivatives.items() if name != "friction_coefficient"}
+                closed = replace(closed, derivatives=known_by)
             solution = closed if abs(closed.value - middle) <= 1e-9 * abs(middle) else solution
         found.append(solution)
     span = f"{DECADES} decades on both sides of the drive's own value"
-    ends = {True: "ends in steady sliding", False: "does not end in steady sliding"}
-    always = ends[known[0][1]] if known else "is not known"
-    reason = f"the motion from rest {always} at any {unknown} tried within {span}, all other parameters held."
+    ends = {True: "ends in steady sliding at every", False: "does not end in steady sliding at any"}
+    always = ends[known[0][1]] if known else "is not known at any"
+    reason = f"the motion from rest {always} {unknown} tried within {span}, all other parameters held."
     how = f"All that motions from rest at {len(known)} values over {span} have found; that is no proof."
     return result(drive, "even_speed", unknown, found, how, reason)

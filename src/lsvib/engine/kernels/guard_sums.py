@@ -241,3 +241,28 @@ def lowest_from(flow, mode, sums, guard, node, t):
             way = factors[1] / -rate  # from time zero to the limit
             level += way - abs(way) * e
     return level
+
+
+@inlined_kernel
+def outlasts(flow, mode, sums, guard, node):
+    """Whether a guard without a constant stays positive from a node on: its slowest part does, and outweighs all else.
+
+    That part is real, and the others decay as fast at least, so that what they are of it never grows.
+    """
+    slowest, lead, total = -math.inf, 0.0, 0.0
+    for pair in range(flow.pairs[mode]):
+        row, at, parts = flow.oscillators[mode, pair], sums.pair_nodes[node, pair], sums.pairs[guard, pair]
+        factors, spread = sums.pair_bounds[guard, pair, 0], 2.0 * row[DELTA]
+        size = factors[0] * at[3] + factors[1] * at[4]
+        if size > 0.0 and own_rate(row) > slowest:
+            slowest = own_rate(row)
+            lead = (parts[0] + parts[1] / spread) * at[3] if spread > 0.0 else 0.0
+        total += size
+    for single in range(flow.singles[mode]):
+        size = sums.singles[guard, single, 0] * sums.single_nodes[node, single, 0]
+        if flow.pushes[mode, single] != 0.0:
+            return False
+        if size != 0.0 and flow.rates[mode, single] > slowest:
+            slowest, lead = flow.rates[mode, single], size
+        total += abs(size)
+    return sums.constants[guard] == 0.0 and slowest < 0.0 and 2.0 * lead > total

@@ -11,7 +11,8 @@ guard is undecided, the step is shortened, so no root is passed over. On a step 
     g″ < 0              g is above its chord: one root if g_b ≤ 0, else none.
 
 If the step has become so short that the guard changes by less than its rounding on it, the guard grazes. With infinite
-time the walk ends when, for every guard, the bounds of all parts together are below the guard's constant.
+time the walk ends when, for every guard, the bounds of all parts together are below the guard's constant, or, where it
+has none, below its slowest part.
 
 ``work`` is the :class:`lsvib.engine.kernels.guard_sums.Sums` of the search. A *node* is one of three places in it for
 what is known at a time.
@@ -24,7 +25,7 @@ import numpy as np
 from lsvib.engine.kernels import guard_sums
 from lsvib.engine.kernels.flow_modal import advance, is_still, slopes_at, stays
 from lsvib.engine.kernels.flow_planar import level, own_rate
-from lsvib.engine.kernels.guard_sums import evaluate, go_to, lowest_from, prepare, room_for, rounding_at
+from lsvib.engine.kernels.guard_sums import evaluate, go_to, lowest_from, outlasts, prepare, room_for, rounding_at
 from lsvib.engine.kernels.jit import allocating_kernel, inlined_kernel, kernel
 from lsvib.engine.kernels.layout import ALPHA, BETA, CROSSING, GRAZE, LOST, NONE, R1, R2, Decision
 from lsvib.engine.kernels.search_planar import GUESSES, next_guess
@@ -217,10 +218,12 @@ def search(flow, mode, state, guards, on_surface, limit, work):
 @inlined_kernel
 def _never(flow, mode, work, count, node, t):
     """True if every guard stays positive from t [s], a node, on."""
-    least = math.inf
+    never = True
     for guard in range(count):
-        least = min(least, lowest_from(flow, mode, work, guard, node, t))
-    return least > 0.0
+        never = never and (
+            lowest_from(flow, mode, work, guard, node, t) > 0.0 or outlasts(flow, mode, work, guard, node)
+        )
+    return never
 
 
 @kernel
