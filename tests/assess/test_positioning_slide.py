@@ -8,12 +8,9 @@ import numpy as np
 import lsvib
 from lsvib.assess.assessment import assess
 from lsvib.assess.operation import Draw
-from lsvib.assess.report import report
 from lsvib.assess.sheet import Sheet
 from lsvib.assess.starting import evenly
 from lsvib.assess.summary import brief
-from lsvib.dynamics.behaviour import Behaviour, behaviours
-from lsvib.models.many import ManyDrives
 from lsvib.stability.solve import bracketed_root
 
 SHEET = Sheet.read(Path(__file__).parents[2] / "examples" / "positioning_slide.yaml")
@@ -49,11 +46,8 @@ def test_the_report_says_below_which_speed_the_slide_jerks_and_what_ends_it():
         drive = found.draw.at(direction, part * started.even_speed, 0.0).drive
         motion = lsvib.Drive.of(drive).simulate("rest", 1.0)
         assert (motion.event_time.values.max() > 0.5) == (part < 1)
-    many = ManyDrives({**dict(drive), "input_speed": drive.input_speed * np.array([0.9, 1.1])})
-    assert behaviours(many).tolist() == [Behaviour.VIBRATION_FROM_REST, Behaviour.NO_VIBRATION]
     ends = {row.quantity: row.value for row in started.changes}
     assert abs(ends["slide_static_friction"] - (736 + 245 / 1.712)) < 1  # the speed is in proportion to what is shed
     assert ends.keys() >= {"speed", "axial_support_damping"}
     assert "from 10.3 rpm (1.71 mm/s at the load) on it runs evenly" in brief(found)[0]
     assert "friction of the guide at rest 10.4 % smaller" in brief(found)[-1]
-    assert "static friction of the guide above that of sliding" in report(found, [])

@@ -1,18 +1,13 @@
-"""A commanded speed that changes: motions against Newton's laws body by body, and against the constant command."""
-
-from contextlib import suppress
+"""A commanded speed that changes: pieces, jumps, seizures and stops; motions are held by ``test_contacts.py``."""
 
 import numpy as np
 import pytest
-from models.test_parts import random_drive
-from references.comparisons import held_against_newton
 from references.known import PARADOX
-from references.sizes import sizes
 
 import lsvib
 from lsvib.datasets.motion import Simulation, as_scene
 from lsvib.engine.motion import Budget, follow
-from lsvib.errors import EngineError, InputError
+from lsvib.errors import InputError
 from lsvib.models.command import Command
 from lsvib.models.drive import Drive
 from lsvib.models.mechanism import standing_state
@@ -20,56 +15,11 @@ from lsvib.models.model import model_of
 from lsvib.models.names import Event
 
 
-def random_command(drive: Drive, seed: int) -> Command:
-    """Ramps to and from some speeds, rest and the other direction among them, over 0.06 s."""
-    rng = np.random.default_rng([seed, 47])
-    speeds = drive.input_speed * rng.choice([0.0, 0.3, 1.0, 1.5, -0.5], 5)
-    return Command(times=sorted(rng.uniform(0, 0.05, 5)), speeds=speeds.tolist())
-
-
 def followed(drive: Drive, start: np.ndarray, duration: float, command: Command | None = None, resume="contact_sign"):
     """The motion of a drive from a state, under a command or at its input speed."""
     model = model_of(drive)
     automaton = model.build(drive, model.physics_of(drive), resume, command)
     return follow(automaton, [*start, *([0.0] if command else [])], duration, budget=Budget(100_000))
-
-
-@pytest.mark.parametrize("motor", [False, True])
-@pytest.mark.parametrize("seeds", sizes([range(6)], [[*range(6, 9), 34]], [range(9, 56)]), ids=len)  # 34 seizes
-def test_motions_obey_newtons_laws(seeds, motor):
-    """Ends of arcs to 1e-9 and what modes say of signs and holds, of drives with any parts, from rest or not."""
-    kinds, parts, done = set(), set(), 0
-    for seed in seeds:
-        drive, start = random_drive(seed, motor=motor)
-        with suppress(InputError, EngineError):
-            drive = drive.replace(mass=8 * drive.mass) if seed % 4 == 2 else drive  # which may seize
-            start = standing_state(drive) if seed % 2 else start
-            motion, _ = held_against_newton(drive, start, 0.06, 14, 1e-9, random_command(drive, seed))
-            kinds |= {Event(kind) for kind in motion.kind}
-            parts.add(drive.parts)
-            done += 1
-    assert done >= 0.7 * len(seeds)
-    assert len(parts) >= min(5, len(seeds) // 2)
-    assert {Event.COMMAND, Event.STICK, Event.RELEASE, Event.REVERSAL} <= kinds
-    assert Event.SEIZURE in kinds or 34 not in seeds
-
-
-@pytest.mark.parametrize("seed", range(12))
-def test_a_command_at_the_input_speed_changes_nothing(seed):
-    """In pieces of constant speed, with any parts and law: same events to 1e-9, by series in place of closed forms."""
-    drive, start = random_drive(seed, motor=seed % 3 == 0)
-    speeds = (drive.input_speed,) * 3
-    try:
-        plain = followed(drive, start, 0.05)
-    except (InputError, EngineError) as error:
-        pytest.skip(str(error))
-    motion = followed(drive, start, 0.05, Command(times=[0.005, 0.01, 0.03], speeds=speeds))
-    real = motion.kind != Event.COMMAND
-    own = plain.kind != Event.PASSAGE  # at which a law divides the mode of steady sliding; not where the command moves
-    np.testing.assert_array_equal(motion.kind[real], plain.kind[own])
-    np.testing.assert_allclose(motion.time[real], plain.time[own], rtol=1e-9, atol=1e-12)
-    size = np.abs([*plain.before, plain.end_state]).max(axis=0)
-    assert np.abs((motion.end_state[:-1] - plain.end_state) / size).max() < 1e-8
 
 
 @pytest.mark.parametrize("resume", ["contact_sign", "at_once"])

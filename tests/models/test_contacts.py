@@ -110,6 +110,5 @@ def test_a_guide_sticks_while_the_threads_rest(motion):
     assert events[-1].state[0] - Contacts(drive).steady[0] == pytest.approx(-0.00736043, abs=5e-9)
 
 
-def test_energy_of_cycles():
-    """What motor and load put in, dampers and dry contacts take out."""
+def test_energy_of_cycles_balances():
     assert len(balanced(range(6, 21), lambda seed: random_contacts(seed)[:2])) >= 6

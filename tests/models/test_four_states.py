@@ -1,21 +1,16 @@
-"""Compliant threads, axial support, nut and motor: 40 digits, their rigid limits, and what follows a reverse slip.
+"""Compliant threads, axial support and nut: 40 digits, their rigid limits, and what follows a reverse slip.
 
 The reference of drives with four states (``references/four_states_digits.py``) takes Newton's laws with the normal
 force and the friction as unknowns, follows a motion in closed form with 40 digits, and finds the mode after each event
-by trying all of them. So it does for cycles of three drives behind a motor, from stick to stick: a soft coupling with
-constant friction, whose contact reverses; a stiff one, and a heavy rotor that turns backwards, with static friction
-above that of sliding. The test holds 30 digits, which a slow one computes again. What follows a reverse slip that ends
-in a seizure, R < 0, is decided by the coupling torque (docs/physics.md).
+by trying all of them. What follows a reverse slip that ends in a seizure, R < 0, is decided by the coupling torque
+(docs/physics.md).
 """
 
 import numpy as np
 import pytest
-from mpmath import mp
 from references.drives import DRIVES as KINDS
 from references.drives import threads_drive
-from references.exponential_sums import UNIT, Function
-from references.four_states_digits import FourStatesDrive, mode_name, simulate
-from references.sizes import sizes
+from references.four_states_digits import mode_name, simulate
 
 import lsvib.api  # noqa: F401  (the methods of drives)
 from lsvib.engine.kernels.layout import FIRST_MODEL_KIND
@@ -127,74 +122,6 @@ def test_mirror_symmetry_is_exact(name):
         np.testing.assert_array_equal(getattr(image, name), getattr(motion, name))
     for name in ("sign", "before", "after", "end_state"):
         np.testing.assert_array_equal(getattr(image, name), -getattr(motion, name))
-
-
-@pytest.mark.parametrize(
-    ("model", "extra"),
-    [("support", {"screw_shift": 1e-5, "shift_rate": 0.01}), ("nut", {"nut_angle": 0.05, "nut_rate": -3.0})],
-)
-def test_a_scene_starts_with_the_other_coordinate(model, extra):
-    motion = KINDS[model]().simulate({"u": 0.1, "w": 5.0, **extra}, 0.02)
-    for name, value in extra.items():
-        assert motion[name].values[0] == pytest.approx(value, rel=1e-12)
-
-
-MOTOR = {"motor_inertia": 1e-5, "integral_gain": 1.0}
-STATIC = {"axial_force": 50.0, "static_friction_coefficient": 0.3}
-DRIVES = {
-    "soft coupling": Drive(**MOTOR, speed_gain=2e-4, coupling_stiffness=0.2, translation_damping=1e3, axial_force=40),
-    "stiff coupling": Drive(
-        **MOTOR, **STATIC, speed_gain=5e-4, coupling_stiffness=700.0, coupling_damping=2e-3, input_speed=2.0
-    ),
-    "heavy rotor": Drive(**(MOTOR | {"motor_inertia": 1e-3}), **STATIC, speed_gain=2e-3, input_speed=-2.0),
-}
-DIGITS = {  # period [s], amplitude [rad]
-    "soft coupling": ("0.0285243654195195698821945229506", "0.205205637940755396987550844794"),
-    "stiff coupling": ("0.0301138592850178933830195159335", "0.0172389940304544598398746332633"),
-    "heavy rotor": ("0.0272336239979535085430947514298", "0.0206201374165635027804243373474"),
-}
-
-
-@pytest.mark.parametrize("name", DRIVES)
-def test_cycles_of_a_drive_with_a_motor(name):
-    drive, expected = DRIVES[name], [pytest.approx(float(digits), rel=1e-13) for digits in DIGITS[name]]
-    (cycle,), steady = drive.cycles().cycles, drive.steady_state(model_of(drive).from_rest(drive))
-    assert [cycle.period, cycle.amplitude] == expected
-    assert [steady.period, steady.amplitude] == expected
-
-
-@pytest.mark.parametrize("name", sizes([], ["soft coupling", "heavy rotor"], ["stiff coupling"]))
-def test_the_digits_are_those_of_newtons_laws(name):
-    drive = dict(DRIVES[name])
-    with mp.workdps(75):
-        reference = FourStatesDrive("motor", drive)
-        w = -reference.Omega
-
-        def back(u, e, v):
-            """Time, state and extremes of u at the next stick, from rest."""
-            truth = simulate(drive, "motor", (), (u, w, e, v), 2, dps=45, max_events=7)
-            last = next(k for k, event in enumerate(truth.events) if event.kind == "stick")
-            angles = []
-            for mode, state, stay in truth.arcs[: last + 1]:
-                angle = Function(truth.drive.mode(mode).arc(state), [*UNIT[0], 0])
-                turns = angle.derivative().roots(mp.mpf(0), stay) if mode[0] else ()
-                angles += [angle(t) for t in (0, *turns, stay)]
-            u, _, e, v = truth.events[last].state
-            return truth.events[last].time, (u, e, v), angles
-
-        orbit = DRIVES[name].cycles().cycles[0].orbit  # where the search begins, and nothing that counts in the result
-        u, _, e, v = orbit.after[orbit.kind == Event.STICK][0]
-        found = mp.findroot(lambda *x: [b - a for a, b in zip(x, back(*x)[1], strict=True)], (u, e, v), tol=1e-66)
-        period, _, angles = back(*found)
-        for value, digits in zip((period, (max(angles) - min(angles)) / 2), DIGITS[name], strict=True):
-            assert mp.nstr(value, 30) == digits
-
-
-def test_the_cycle_that_a_start_reaches_is_among_those_that_are_found():
-    """Starts that leave the motor at steady sliding reach another one only."""
-    drive = DRIVES["stiff coupling"].replace(coupling_stiffness=1000.0)
-    steady = drive.steady_state(model_of(drive).from_rest(drive))
-    assert pytest.approx(steady.period, rel=1e-13) in [cycle.period for cycle in drive.cycles().cycles]
 
 
 FIG_8_14 = {"mass": 11.0, "support_damping": 1e-3}

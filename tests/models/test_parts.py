@@ -157,7 +157,7 @@ def test_energy_of_cycles():
 
 def test_stability_is_that_of_newtons_laws():
     """Eigenvalues of the field, by differences of the uneliminated equations, to 1e-8; stable or not as is said."""
-    assert {judged_by_newton(random_drive(seed)[0])[0] for seed in range(60)} == {2, 4, 6, 8}
+    assert {judged_by_newton(random_drive(seed, motor=seed % 3 == 0)[0])[0] for seed in range(90)} == {2, 4, 6, 8, 10}
 
 
 def judged_by_newton(drive: Drive) -> tuple[int, bool]:
@@ -185,17 +185,6 @@ def test_a_collar_brakes_with_the_axial_force():
     assert len(held(range(16), collar=True)[0]) >= 13
     assert len(balanced(range(24), collar=True)) >= 5
     assert {judged_by_newton(random_drive(seed, collar=True)[0])[1] for seed in range(24)} == {True, False}
-
-
-@pytest.mark.slow
-def test_a_motor_follows_its_command():
-    """Motions, energy and eigenvalues of drives behind a motor, half of them with other parts, by Newton's laws."""
-    drives, *_ = held(range(16), motor=True)
-    assert len(drives) >= 12
-    assert len({drive.parts for drive in drives}) >= 5
-    assert len(balanced(range(16), motor=True)) >= 3
-    for seed in range(24):
-        judged_by_newton(random_drive(seed, motor=True)[0])
 
 
 @pytest.mark.parametrize(

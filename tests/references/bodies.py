@@ -11,8 +11,6 @@ from collections import defaultdict
 
 import numpy as np
 from flint import arb_mat
-from scipy.integrate import solve_ivp
-from scipy.linalg import expm
 
 SIGN = {"forward": 1, "backward": -1, "held": 0, "positive": 1, "negative": -1}
 RATES = {"motor": "psi", "support": "y", "nut": "phi", "threads": "e"}  # coordinates of parts, in their order
@@ -196,45 +194,6 @@ class Bodies:
         if "psi" in self.place:
             rate[self.place["psi"]] += self.p["input_speed"] - self.commanded(t)
         return rate
-
-    def moved(self, state: np.ndarray, mode: dict, times: np.ndarray, size: np.ndarray):
-        """Absolute states (times, n) along an arc that begins at the first time; apart where the law comes to zero.
-
-        Under constant friction the rates are affine in state and time, as the command is straight along an arc: then by
-        the exponential of their matrix.
-        """
-        if not (mode["slip"] and (self.p["stribeck_rise"] or self.p["friction_slope"])):
-            begin, long = times[0], times[-1] - times[0]
-            early, late = (self.rate(begin + part * long, 0 * state, mode) for part in (0.25, 0.75))
-            ramp, push = 2 * (late - early), 1.5 * early - 0.5 * late  # over the whole arc, at its beginning
-            columns = [self.rate(begin + 0.25 * long, unit, mode) - early for unit in np.diag(size)]
-            rows = np.column_stack([np.array(columns).T, ramp, push]) / size[:, None]
-            matrix = np.vstack([rows, np.zeros((2, state.size + 2))])
-            matrix[-2, -1] = 1 / long
-            parts = [expm(matrix * (time - begin)) @ [*(state / size), 0.0, 1.0] for time in times]
-            return np.array(parts)[:, :-2] * size
-
-        def kink(_, x):
-            return self.law(self.speeds(x)[0]) if mode["slip"] else 1.0
-
-        def run(begin, state, end, **more):
-            return solve_ivp(
-                lambda t, x: self.rate(t, x, mode), (begin, end), state, "DOP853", rtol=3e-14, atol=1e-16 * size, **more
-            )
-
-        kink.terminal = True
-        found, time = [state], times[0]
-        while len(found) < len(times):
-            done = run(time, state, times[-1], t_eval=times[len(found) :], events=kink)
-            found += list(done.y.T) if len(done.t) else []
-            if done.status == 1:  # between steps it is less exact: once more, and over the kink by next to nothing
-                (stop,) = done.t_events[0]
-                on, step = run(time, state, stop).y[:, -1], min(1e-12 * times[-1], times[-1] - stop)
-                time, state = stop + step, on + step * self.rate(stop, on, mode)
-            elif done.status < 0:  # where the threads jam the last step would be too small
-                assert len(found) == len(times) - 1
-                found.append(run(time, state, times[-1]).y[:, -1])
-        return np.array(found)
 
     def margins(self, state: np.ndarray, mode: dict) -> dict:
         """What a mode takes for granted, as numbers that are positive while it lasts.

@@ -1,14 +1,13 @@
 """Reference with 40 digits for the drives with four states: Newton's laws, closed forms, certified search.
 
-Compliant threads, axial support, rotating nut, motor. The contact is described by its normal force N and the friction
+Compliant threads, axial support, rotating nut. The contact is described by its normal force N and the friction
 f along the helix, as unknowns beside the accelerations:
 
     axial force of the threads on the nut  -(N cos + f sin),     torque on the screw  -r (f cos - N sin),
 
 the screw of the support model shifts by x_1 under +(N cos + f sin), the nut of the nut model turns by theta_2 under
 +r (f cos - N sin); compliant threads press with N = cos (k_c e + c_c e'), e = x - r tan(lambda) theta. Slip in the
-direction d: f = d mu |N|. Rest: the relative speed stays zero and |f| <= mu_s |N|. The motor turns at theta_m, driven
-by K_i (Omega t - theta_m) + K_p (Omega - theta_m'), and the coupling turns by theta - theta_m.
+direction d: f = d mu |N|. Rest: the relative speed stays zero and |f| <= mu_s |N|.
 
 A mode is (d, q, a): direction of slip (0: rest), sign of N (with a support that of the axial contact force at rest; 0
 where it plays no part), direction of the second friction - F_0 on the slide of the support model, T_0 on the screw of
@@ -39,7 +38,7 @@ from references.exponential_sums import UNIT, Function, TrueArc, affine, first_r
 class FourStatesDrive:
     """Parameters p (SI units, keys of the library); ``frictions`` names those of F_0 and T_0 that are there.
 
-    State: u, w; the deviation of x_1, theta_2 or theta_m from steady sliding, or e, with its rate. Modes are made once.
+    State: u, w; the deviation of x_1 or theta_2 from steady sliding, or e, with its rate. Modes are made once.
     """
 
     def __init__(self, model, parameters, frictions=()):
@@ -55,8 +54,7 @@ class FourStatesDrive:
         law = -1 if axial * turning < 0 else 1
         normal = axial / (self.cos + law * p["friction_coefficient"] * self.sin)
         torque = p["pitch_radius"] * normal * (law * p["friction_coefficient"] * self.cos - self.sin)
-        whole = torque + p["support_damping"] * self.Omega + self.T0 * turning
-        self.z0 = -whole / p["coupling_stiffness"]
+        self.z0 = -(torque + p["support_damping"] * self.Omega + self.T0 * turning) / p["coupling_stiffness"]
         self.static = p.get("static_friction_coefficient") or p["friction_coefficient"]
         inertia, own, self.q0 = p["screw_inertia"], p["mass"], mpf(0)
         if model == "support":
@@ -65,9 +63,6 @@ class FourStatesDrive:
         elif model == "nut":
             self.q0 = torque / p["nut_stiffness"]
             inertia = inertia * p["nut_inertia"] / (inertia + p["nut_inertia"])
-        elif model == "motor":
-            self.q0 = -whole / p["integral_gain"]
-            self.z0 += self.q0
         xi = (p["friction_coefficient"] - self.tan) / (1 + p["friction_coefficient"] * self.tan)
         self.painleve = model != "threads" and inertia <= xi * self.tan * own * p["pitch_radius"] ** 2
 
@@ -76,7 +71,7 @@ class FourStatesDrive:
         if self.model == "nut":
             slip = self.Omega + x[1] - x[3]
             return slip, self.Omega + x[1], self.reach * slip
-        travel = self.reach * (self.Omega + x[1]) + (0 if self.model == "motor" else x[3])
+        travel = self.reach * (self.Omega + x[1]) + x[3]
         return self.Omega + x[1], travel, travel
 
     def bodies(self):
@@ -87,18 +82,8 @@ class FourStatesDrive:
         if self.model == "nut":
             turning = [0, p["nut_inertia"], -arm[0], -arm[1]]
             return [screw, turning, [m * reach, -m * reach, self.cos, self.sin]], [1, -1, 0, 0]
-        if self.model == "motor":
-            return [screw, [0, p["motor_inertia"], 0, 0], [m * reach, 0, self.cos, self.sin]], [1, 0, 0, 0]
         other = [0, p["screw_mass"], -self.cos, -self.sin] if self.model == "support" else [0, 0, 1, 0]
         return [screw, other, [m * reach, m, self.cos, self.sin]], [1, 0, 0, 0]
-
-    def coupling(self, x):
-        """Torque of the coupling on the screw."""
-        p = self.p
-        if self.model != "motor":
-            return -p["coupling_stiffness"] * (self.z0 + x[0])
-        twist = self.z0 + x[0] - self.q0 - x[2]
-        return -p["coupling_stiffness"] * twist - p.get("coupling_damping", 0) * (x[1] - x[3])
 
     def spring(self, x):
         """What acts on the second body beside the contact; of compliant threads, N itself."""
@@ -107,15 +92,13 @@ class FourStatesDrive:
             return self.cos * (p["contact_stiffness"] * x[2] + p["contact_damping"] * x[3])
         if self.model == "support":
             return -p["support_stiffness"] * (self.q0 + x[2]) - p["axial_support_damping"] * x[3]
-        if self.model == "motor":
-            return -self.coupling(x) - p["integral_gain"] * (self.q0 + x[2]) - p["speed_gain"] * x[3]
         return -p["nut_stiffness"] * (self.q0 + x[2]) - p["nut_damping"] * x[3]
 
     def forces_of_bodies(self, mode, x, along=None):
         """Solve for (theta'', second acceleration, N, f, T_0 friction, F_0 friction) at a state."""
         p, (d, q, a) = self.p, mode
         (screw, other, nut), slip = self.bodies()
-        torque = self.coupling(x) - p["support_damping"] * (self.Omega + x[1])
+        torque = -p["coupling_stiffness"] * (self.z0 + x[0]) - p["support_damping"] * (self.Omega + x[1])
         push = p["axial_force"] - p["translation_damping"] * self.speeds(x)[2]
         bearing, slide = [0, 0, 0, 0, 1, 0], [0, 0, 0, 0, 0, 1]
         if self.model == "nut":
@@ -168,7 +151,7 @@ class FourStatesDrive:
         """Return the modes: direction of slip, sign of N, direction of the second friction."""
         ways = (1, -1, 0) if self.second else (None,)
         slips = [(d, q) for d, q in product((1, -1), (1, -1)) if not self.painleve or d * q < 0]
-        rests = [(0, 0)] if self.model in ("nut", "motor") else [(0, 1), (0, -1)]
+        rests = [(0, 0)] if self.model == "nut" else [(0, 1), (0, -1)]
         return [(d, q, a) for d, q in slips + rests for a in ways]
 
     def tie(self, x, zero):
