@@ -463,8 +463,8 @@ def require_direction(drive: Drive) -> None:
     """Raise ``InputError`` for a drive that is let go, which has no steady sliding."""
     if not drive.input_speed:
         raise InputError(
-            "input_speed = 0 holds the motor still and lets the drive go, so there is no steady sliding; set a speed, or "
-            "follow motions (simulate, sweep, attraction)."
+            "input_speed = 0 holds the motor still and lets the drive go, so there is no steady sliding; set a speed, "
+            "or follow motions (simulate, sweep, attraction)."
         )
 
 

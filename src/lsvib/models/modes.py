@@ -21,7 +21,7 @@ once threads or bodies stand, and lets go of as little as it can.
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cache
 from itertools import chain, product
@@ -288,27 +288,37 @@ class Modes:
         """Branches to all that may follow an instant, in the order in which they are tried.
 
         Before it the threads slip in a direction d or stand (0), and the bodies go their ``ways``. Now the threads
-        (``slip``) or a body, ``last``, stop, or let go and move ``onward``; at the start of a motion neither. What
-        stands may stay or begin to move: more that stays comes first; of as much, rest of the threads before slip, then
-        what stood before. Each is kept only if what stands needs no more friction than it has at this instant and just
-        after it, and what begins to move is accelerated. What rounding has left goes to the first.
+        (``slip``) or a body, ``last``, stop, or let go and move ``onward``; at the start of a motion neither. All that
+        stands stays if it needs no more friction than it has, at this instant and just after it. Else, where rest holds
+        no more than slow sliding, the one other mode follows that is consistent. Where it holds more, what cannot be
+        held lets go: first what has stood before, and of that the threads. What is left goes to the first mode, in
+        which all stands: there one after the other lets go at once.
         """
         before = dict(zip(("slip", *self.m.own), (d, *ways), strict=True))
         before |= {last: onward} if last else {}
-        stands = [name for name, way in before.items() if way == 0]
-
-        def order(now: tuple[int, ...]) -> tuple[int, bool, int]:
-            begin = [name for name, way in zip(before, now, strict=True) if way and name in stands]
-            return len(begin), "slip" in begin, len({*begin} - {last})
-
-        found = sorted(product(*(HOW if way == 0 else (way,) for way in before.values())), key=order)
-        for way, *ways_now in found:
-            for key, carries in self._by_sign(way, tuple(ways_now)):
-                agree = (self._agrees(name, key) for name in stands)
-                yield self._branch(key, last, onward, (*carries, *chain.from_iterable(agree)))
-        *others, (key, _) = self._by_sign(found[0][0], found[0][1:])
+        stands = sorted((name for name, way in before.items() if way == 0), key=lambda name: name == last)
+        yield from self._taken(before, stands, last, onward)
+        if self.m.same:
+            begins = sorted(product(HOW, repeat=len(stands)), key=lambda begin: sum(map(abs, begin)))
+            for begin in begins[1:]:
+                yield from self._taken(before | dict(zip(stands, begin, strict=True)), stands, last, onward)
+        for key, carries in () if self.m.same else self._by_sign(before):
+            for k, name in enumerate(stands):
+                within = (*carries, *chain.from_iterable(self._agrees(other, key) for other in stands[:k]))
+                for way in DIRECTIONS:
+                    beyond = (*within, *self._beyond(name, key, way))
+                    yield from self._taken(before | {name: way}, stands, last, onward, beyond)
+        *others, (key, _) = self._by_sign(before)
         yield from (self._branch(other, last, onward, carries) for other, carries in others)
         yield self._branch(key, last, onward)
+
+    def _taken(
+        self, now: Mapping[str, int], stands: Sequence[str], last: str, onward: int, more: tuple[Side, ...] = ()
+    ) -> Iterator[Branch]:
+        """Branches to the modes in which all moves as ``now``, if that agrees with what ``stands`` before it."""
+        for key, carries in self._by_sign(now):
+            agree = chain.from_iterable(self._agrees(name, key) for name in stands)
+            yield self._branch(key, last, onward, (*more, *carries, *agree))
 
     def _branch(self, key: Key, last: str, onward: int = 0, conditions: tuple[Side, ...] = ()) -> Branch:
         """Return the branch to a mode in which the threads or a body, ``last``, have stopped, or let go ``onward``."""
@@ -317,12 +327,12 @@ class Modes:
         what = "release" if onward else "reversal" if moves else "stick"
         return Branch(self.name(key), Event[f"{body}_{what}".strip("_").upper()], conditions)
 
-    def _by_sign(self, direction: int, ways: Ways) -> list[tuple[Key, tuple[Side, ...]]]:
-        """The modes in which all move so, by the sign of n, with the conditions under which it has that sign."""
-        if direction:
-            return [
-                ((direction, q, ways), () if self.m.idle else self._carries(direction, q, ways)) for q in self.signs
-            ]
+    def _by_sign(self, now: Mapping[str, int]) -> list[tuple[Key, tuple[Side, ...]]]:
+        """The modes in which all moves as ``now``, by the sign of n, with the conditions under which it has that."""
+        way, *bodies = now.values()
+        ways = tuple(bodies)
+        if way:
+            return [((way, q, ways), () if self.m.idle else self._carries(way, q, ways)) for q in self.signs]
         row = self._at_rest(ways)
         signed = {side: ((scaled(row, side), Test.NOT_NEGATIVE),) if side else () for side in self.m.sides}
         return [((0, side, ways), conditions) for side, conditions in signed.items()]
@@ -343,20 +353,29 @@ class Modes:
 
     def _stays(self, name: str, key: Key) -> tuple[Side, ...]:
         """Conditions under which the threads (``slip``) or a body that stood stay, or begin to move, as a mode says."""
-        (d, side, ways), field = key, self.solution(key).field
-        way, last = dict(zip(("slip", *self.m.own), (d, *ways), strict=True))[name], Test.NOT_NEGATIVE
+        (d, _, ways), field = key, self.solution(key).field
+        way = dict(zip(("slip", *self.m.own), (d, *ways), strict=True))[name]
         if way:
             speed = self.m.slip if name == "slip" else self._body_speed(name)
-            rows, last = [scaled(rate_of(speed, field), way)], Test.POSITIVE
-        elif name == "slip":
-            rows = [self._left(ways, onward, side) for onward in DIRECTIONS]
-        else:
-            rows = [self._room(key, name, onward) for onward in DIRECTIONS]
-        return tuple(side for row in rows for side in ((row, Test.LEADS), (rate_of(row, field), last)))
+            return self._now_or_next(scaled(rate_of(speed, field), way), key, Test.POSITIVE)
+        rows = [self._spare(name, key, onward) for onward in DIRECTIONS]
+        return tuple(chain.from_iterable(self._now_or_next(row, key, Test.NOT_NEGATIVE) for row in rows))
+
+    def _beyond(self, name: str, key: Key, way: int) -> tuple[Side, ...]:
+        """Conditions under which the threads or a body need more friction than they have to be kept from one way."""
+        return self._now_or_next(scaled(self._spare(name, key, way), -1), key, Test.POSITIVE)
+
+    def _spare(self, name: str, key: Key, way: int) -> Row:
+        """Friction that is left to keep the threads (``slip``) or a body from moving one way in a mode."""
+        return self._left(key[2], way, key[1]) if name == "slip" else self._room(key, name, way)
+
+    def _now_or_next(self, row: Row, key: Key, last: Test) -> tuple[Side, ...]:
+        """Conditions under which a function of the state is positive in a mode, or is zero and passes as it changes."""
+        return (row, Test.LEADS), (rate_of(row, self.solution(key).field), last)
 
     def _beyond_hold(self, kinds: tuple[int, int], impulse: int = 0) -> Iterator[Branch]:
         """Branches at ω = 0 for Γ₊ ≤ 0: beyond static friction slip under law −1, else rest; kinds (rest, slip)."""
-        for key, condition in self._by_sign(0, ()):
+        for key, condition in self._by_sign({"slip": 0}):
             for d in DIRECTIONS:
                 excess = (scaled(self._left((), d, key[1]), -1), Test.POSITIVE)
                 yield Branch(self.name((d, -d, ())), kinds[1], (*condition, excess), impulse)
