@@ -1,15 +1,14 @@
-"""Motions with static friction in every dry contact at once, whose modes and events are found by trying all of them.
+"""Motions with static friction in every dry contact at once, whose modes and events are found from the forces alone.
 
 On Newton's laws body by body (:mod:`references.bodies`). A contact, of the threads, of the slide or of the bearing, is
-at rest or moves one way. At each event, and at the start, all combinations of what may then rest or move are tried, the
-ones with more at rest first; one is kept if all that it takes for granted holds now and just after: margins that are
-zero to rounding are judged by their first rate that is not.
+at rest or moves one way. At each event, and at the start, all that has no speed is held; what then needs more friction
+than it has lets go, one after the other. Margins that are zero to rounding are judged by their first rate that is not.
 """
 
 import copy
 from collections.abc import Iterator
 from functools import partial
-from itertools import pairwise, product
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -89,22 +88,29 @@ class Contacts(Bodies):
     def choose(self, time: float, state, before: dict, still: list, forced: dict) -> tuple[dict, np.ndarray]:
         """The mode that goes on, and the state with what is still at no speed.
 
-        What is ``still`` may go any way, tried in the order of ``rank``. What is ``forced`` to let go may be held again
-        by the force that another one, which lets go with it, then has.
+        What is ``still`` is held, but for what is ``forced`` to let go. What then needs more friction than it has lets
+        go, what stood before first, and of that the threads; what is not accelerated then is held again.
         """
-        state, moved = self.settled(state, still), {name: before[name] for name in self.dry if name not in still}
-        modes = [dict(zip(self.dry, ways, strict=True)) for ways in product((0, 1, -1), repeat=len(self.dry))]
-
-        def rank(mode: dict) -> tuple:
-            let_go = sum(mode[name] != 0 == before[name] for name in self.dry)
-            return not forced.items() <= mode.items(), sum(map(abs, mode.values())), abs(mode["slip"]), let_go
-
-        for mode in sorted((mode for mode in modes if moved.items() <= mode.items()), key=rank):
-            for side in (1, -1) if mode["slip"] or self.free("slide") else (0,):
-                whole = dict.fromkeys(self.frictions, mode["slip"]) | mode | {"contact": side}
-                if Arc(self, time, state, whole).lasts(still):
-                    return whole, state
+        state, rank = self.settled(state, still), sorted(still, key=lambda name: before[name] != 0)
+        mode = {name: 0 if name in still else before[name] for name in self.dry} | forced
+        for _ in range(12):
+            arc, signs = self.begun(time, state, mode, still)
+            beyond = [(name, way) for (name, way, _), sign in signs.items() if way and sign < 0]
+            slow = [(name, 0) for (name, way, _), sign in signs.items() if name in still and not way and sign <= 0]
+            if not beyond + slow:
+                return arc.mode, state
+            name, way = min(beyond or slow, key=lambda one: rank.index(one[0]))
+            mode[name] = way
         raise AssertionError(f"no mode is consistent at {time} s, {state.tolist()}, after {before}")
+
+    def begun(self, time: float, state, mode: dict, still: list) -> tuple["Arc", dict]:
+        """The arc of a mode with the sign of the contact force that it has, and the signs of its margins."""
+        for side in (1, -1) if mode["slip"] or self.free("slide") else (0,):
+            arc = Arc(self, time, state, dict.fromkeys(self.frictions, mode["slip"]) | mode | {"contact": side})
+            signs = arc.signs(still)
+            if signs.pop(("contact", 0, "force"), 0) >= 0:
+                break
+        return arc, signs
 
     def settled(self, state: np.ndarray, still: list) -> np.ndarray:
         """A state in which what is still has no speed, but for rounding the same."""
@@ -142,18 +148,17 @@ class Arc:
         """State and time as the matrix takes them."""
         return np.array([*state, time - self.begin, 1.0]) / self.scale
 
-    def lasts(self, still: list) -> bool:
-        """Whether what the mode takes for granted holds at its beginning and just after; ``still`` has no speed yet."""
+    def signs(self, still: list) -> dict:
+        """Signs of the margins at its beginning, or of their first rates; of what is ``still`` those of the rates."""
         rows, place = self.rows, self.place(self.begin, self.state)
         most, sizes, signs = np.abs(rows), np.abs(self.matrix), np.zeros(len(rows))
-        moving = np.array([unit in ("speed", "travel") for *_, unit in self.margins])
-        unknown = moving & [contact in still for contact, *_ in self.margins]
+        unknown = np.array([unit in ("speed", "travel") and contact in still for contact, _, unit in self.margins])
         for _ in range(8):
             values = rows @ place
             unknown |= (signs != 0) | (np.abs(values) <= DECIDED * (most @ np.abs(place)))
-            signs, unknown = np.where(unknown, signs, np.sign(values)), np.zeros_like(moving)
+            signs, unknown = np.where(unknown, signs, np.sign(values)), np.zeros_like(unknown)
             rows, most = rows @ self.matrix, most @ sizes
-        return not (signs < 0).any() and (signs[moving] > 0).all()
+        return dict(zip(self.margins, signs, strict=True))
 
     def through(self, time: float, state: np.ndarray, times: np.ndarray) -> np.ndarray:
         """States at times from one before them."""
