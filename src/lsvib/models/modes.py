@@ -16,8 +16,9 @@ solves; all else follows from the signs of speeds and forces.
   s = +1, which stops the screw, and the motion after it follows from the same equations. N changes at rest, too, where
   the load moves on.
 
-Static friction above that of slow sliding leaves several modes consistent. Then it holds wherever it can, as it must
-once threads or bodies stand, and lets go of as little as it can.
+Static friction above that of slow sliding leaves several modes consistent. Then all that stands is held, and what needs
+more friction than it has lets go, one after the other. So it is in the limit of friction that falls ever more steeply
+from rest, where one contact is at stake; where several are, that limit may depend on which of them falls the steepest.
 """
 
 import math
