@@ -206,7 +206,7 @@ def test_resilience_has_no_number_where_the_basin_has_no_closed_form():
     found = NEAR_FOLD.resilience_sweep(slide_friction=[0.0, 5.0])
     assert found.fatal_speed.values[0] == NEAR_FOLD.resilience().speed
     assert np.isnan(found.fatal_speed.values[1])
-    assert "for rigid drives only" in found.attrs["refused"]
+    assert "for rigid drives without friction" in found.attrs["refused"]
     assert np.isnan(NEAR_FOLD.resilience_sweep(contact_stiffness=[1e6]).fatal_speed.values[0])
 
 

@@ -208,7 +208,7 @@ PYTHON = [
     (lambda: lsvib.Drive(mas=1), UNKNOWN),
     (lambda: threads_drive(screw_mass=1), "needs support_stiffness as well"),
     (lambda: lsvib.Drive().simulate({"u": 0, "w": 0}, 1, outputs=["nut_speed"]), "outputs"),
-    (lambda: threads_drive().basin(), "rigid drives only"),
+    (lambda: threads_drive().basin(), "rigid drives without friction"),
     (lambda: lsvib.Drive().attraction({"u": (0, 1), "w": (0, 1, 4)}), "axis u has 2 numbers"),
     (lambda: lsvib.Drive().attraction(GRID, workers="many"), "workers = 'many'"),
     (lambda: lsvib.Drive().chart("mass=1:20", "axial_force=0:1:2"), "KEY=START:STOP:COUNT"),
