@@ -93,23 +93,6 @@ def test_motion_against_40_digits(name):
     assert error <= (1e-9 if model == "threads" else 1e-10)
 
 
-@pytest.mark.parametrize("parameters", [LOADED, PARADOX | {"axial_force": -10}], ids=["stick-slip", "Painlevé, R < 0"])
-@pytest.mark.parametrize(
-    ("model", "key", "large"), [("support", "screw_mass", (1e6, 1e9)), ("nut", "nut_inertia", (1, 1e3))]
-)
-def test_heavy_body_gives_the_rigid_drive(model, key, large, parameters):
-    """m_1 → ∞, I_2 → ∞: the screw cannot shift, the nut cannot turn; with seizures, and to first order."""
-    rigid = follow(rigid_automaton(Drive.of(parameters)), START[:2], 0.03)
-    times, errors = np.linspace(0, 0.03, 2001), []
-    expected = rigid.at(times)[0][:, 0]
-    for value in large:
-        motion = follow(build(model, parameters | {key: value})[1], START, 0.03)
-        np.testing.assert_array_equal(motion.kind, rigid.kind)
-        errors.append(np.abs(motion.at(times)[0][:, 0] - expected).max() / np.abs(expected).max())
-    assert errors[0] < 2e-4
-    assert errors[0] / errors[1] == pytest.approx(large[1] / large[0], rel=0.01)
-
-
 @pytest.mark.parametrize("name", ["stick-slip, support, with frictions", "seizures, nut, R < 0", "soft, light damping"])
 def test_mirror_symmetry_is_exact(name):
     """(state, R, Ω) → −(state, R, Ω): the same bits with the other sign."""

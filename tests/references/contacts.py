@@ -1,14 +1,15 @@
 """Motions with static friction in every dry contact at once, whose modes and events are found from the forces alone.
 
 On Newton's laws body by body (:mod:`references.bodies`). A contact, of the threads, of the slide or of the bearing, is
-at rest or moves one way. At each event, and at the start, all that has no speed is held; what then needs more friction
-than it has lets go, one after the other. Margins that are zero to rounding are judged by their first rate that is not.
+at rest or moves one way. At each event, and at the start, all that has no speed is held; if one contact then needs more
+friction than it has, it lets go, and if several do, all combinations are tried. Margins that are zero to rounding are
+judged by their first rate that is not.
 """
 
 import copy
 from collections.abc import Iterator
 from functools import partial
-from itertools import pairwise
+from itertools import pairwise, product
 from typing import NamedTuple
 
 import numpy as np
@@ -88,29 +89,41 @@ class Contacts(Bodies):
     def choose(self, time: float, state, before: dict, still: list, forced: dict) -> tuple[dict, np.ndarray]:
         """The mode that goes on, and the state with what is still at no speed.
 
-        What is ``still`` is held, but for what is ``forced`` to let go. What then needs more friction than it has lets
-        go, what stood before first, and of that the threads; what is not accelerated then is held again.
+        What is ``still`` is held, but for what is ``forced`` to let go. If only one contact then needs more friction
+        than it has, it lets go, and so on. If several do, all combinations are tried, with more at rest first.
         """
-        state, rank = self.settled(state, still), sorted(still, key=lambda name: before[name] != 0)
+        state = self.settled(state, still)
         mode = {name: 0 if name in still else before[name] for name in self.dry} | forced
-        for _ in range(12):
-            arc, signs = self.begun(time, state, mode, still)
-            beyond = [(name, way) for (name, way, _), sign in signs.items() if way and sign < 0]
-            slow = [(name, 0) for (name, way, _), sign in signs.items() if name in still and not way and sign <= 0]
-            if not beyond + slow:
+        while True:
+            arc, good, beyond = self.begun(time, state, mode, still)
+            if good:
                 return arc.mode, state
-            name, way = min(beyond or slow, key=lambda one: rank.index(one[0]))
-            mode[name] = way
+            if len(beyond) != 1:
+                break
+            mode |= beyond
+        free = [name for name in still if mode[name] == 0]
+        modes = [mode | dict(zip(free, ways, strict=True)) for ways in product((0, 1, -1), repeat=len(free))]
+
+        def rank(one: dict) -> tuple:
+            moving = [name for name in free if one[name]]
+            return len(moving), "slip" in moving, len([name for name in moving if before[name] == 0])
+
+        for one in sorted(modes, key=rank):
+            arc, good, _ = self.begun(time, state, one, still)
+            if good:
+                return arc.mode, state
         raise AssertionError(f"no mode is consistent at {time} s, {state.tolist()}, after {before}")
 
-    def begun(self, time: float, state, mode: dict, still: list) -> tuple["Arc", dict]:
-        """The arc of a mode with the sign of the contact force that it has, and the signs of its margins."""
+    def begun(self, time: float, state, mode: dict, still: list) -> tuple["Arc", bool, dict]:
+        """The arc of a mode, whether all holds now and just after, and what cannot be held, by the way it goes."""
         for side in (1, -1) if mode["slip"] or self.free("slide") else (0,):
             arc = Arc(self, time, state, dict.fromkeys(self.frictions, mode["slip"]) | mode | {"contact": side})
             signs = arc.signs(still)
             if signs.pop(("contact", 0, "force"), 0) >= 0:
                 break
-        return arc, signs
+        starts = all(sign > 0 for (name, way, _), sign in signs.items() if name in still and not way)
+        beyond = {name: way for (name, way, _), sign in signs.items() if way and sign < 0}
+        return arc, starts and not beyond, beyond
 
     def settled(self, state: np.ndarray, still: list) -> np.ndarray:
         """A state in which what is still has no speed, but for rounding the same."""

@@ -16,9 +16,9 @@ solves; all else follows from the signs of speeds and forces.
   s = +1, which stops the screw, and the motion after it follows from the same equations. N changes at rest, too, where
   the load moves on.
 
-Static friction above that of slow sliding leaves several modes consistent. Then all that stands is held, and what needs
-more friction than it has lets go, one after the other. So it is in the limit of friction that falls ever more steeply
-from rest, where one contact is at stake; where several are, that limit may depend on which of them falls the steepest.
+Static friction above that of slow sliding leaves several modes consistent. Then all that stands is held, and a contact
+that needs more friction than it has lets go. So it does in the limit of friction that falls ever more steeply from
+rest. Where several need more, that limit is not one mode for sure, and the one with most at rest is taken.
 """
 
 import math
@@ -290,28 +290,31 @@ class Modes:
 
         Before it the threads slip in a direction d or stand (0), and the bodies go their ``ways``. Now the threads
         (``slip``) or a body, ``last``, stop, or let go and move ``onward``; at the start of a motion neither. All that
-        stands stays if it needs no more friction than it has, at this instant and just after it. Else, where rest holds
-        no more than slow sliding, the one other mode follows that is consistent. Where it holds more, what cannot be
-        held lets go: first what has stood before, and of that the threads. What is left goes to the first mode, in
-        which all stands: there one after the other lets go at once.
+        stands stays if it needs no more friction than it has, at this instant and just after it. If only one contact
+        needs more, that lets go, and then what it can no longer hold. Else a mode follows in which all accelerations
+        and forces agree: there is one where rest holds no more than slow sliding, and of several the one with more at
+        rest, and of as much, that in which the threads rest, then that in which what stood before stays.
         """
         before = dict(zip(("slip", *self.m.own), (d, *ways), strict=True))
         before |= {last: onward} if last else {}
-        stands = sorted((name for name, way in before.items() if way == 0), key=lambda name: name == last)
+        stands = [name for name, way in before.items() if way == 0]
         yield from self._taken(before, stands, last, onward)
-        if self.m.same:
-            begins = sorted(product(HOW, repeat=len(stands)), key=lambda begin: sum(map(abs, begin)))
-            for begin in begins[1:]:
-                yield from self._taken(before | dict(zip(stands, begin, strict=True)), stands, last, onward)
         for key, carries in () if self.m.same else self._by_sign(before):
-            for k, name in enumerate(stands):
-                within = (*carries, *chain.from_iterable(self._agrees(other, key) for other in stands[:k]))
-                for way in DIRECTIONS:
-                    beyond = (*within, *self._beyond(name, key, way))
-                    yield from self._taken(before | {name: way}, stands, last, onward, beyond)
+            for name, way in product(stands, DIRECTIONS):
+                within = chain.from_iterable(self._agrees(other, key) for other in stands if other != name)
+                alone = (*carries, *within, *self._beyond(name, key, way))
+                yield from self._taken(before | {name: way}, stands, last, onward, alone)
+                yield self._branch(key, last, onward, alone)  # there it lets go at once, and more with it
+
+        def order(begin: tuple[int, ...]) -> tuple[int, bool, int]:
+            moving = [name for name, way in zip(stands, begin, strict=True) if way]
+            return len(moving), "slip" in moving, len({*moving} - {last})
+
+        for begin in sorted(product(HOW, repeat=len(stands)), key=order)[1:]:
+            yield from self._taken(before | dict(zip(stands, begin, strict=True)), stands, last, onward)
         *others, (key, _) = self._by_sign(before)
         yield from (self._branch(other, last, onward, carries) for other, carries in others)
-        yield self._branch(key, last, onward)
+        yield self._branch(key, last, onward)  # what rounding has left
 
     def _taken(
         self, now: Mapping[str, int], stands: Sequence[str], last: str, onward: int, more: tuple[Side, ...] = ()
