@@ -369,7 +369,6 @@ def test_one_load_tells_both_ends_of_static_friction():
     assert bearing.static[STATIC[1]][0] + 9e-3 * 300 * slow == pytest.approx(held, rel=0.02)
     low = breaking_loose((300.0, 900.0), np.random.default_rng(1), static=0.1, holds=0.0)
     assert low.main.static == {}
-    assert list(low.ends) == ["fit"]
 
 
 def test_tables_without_any_noise_make_json(tmp_path, run):
