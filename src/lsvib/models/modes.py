@@ -298,7 +298,7 @@ class Modes:
         before = dict(zip(("slip", *self.m.own), (d, *ways), strict=True))
         before |= {last: onward} if last else {}
         stands = [name for name, way in before.items() if way == 0]
-        yield from self._taken(before, stands, last, onward)
+        yield from () if self.m.same else self._taken(before, stands, last, onward)
         for key, carries in () if self.m.same else self._by_sign(before):
             for name, way in product(stands, DIRECTIONS):
                 within = chain.from_iterable(self._agrees(other, key) for other in stands if other != name)
@@ -310,11 +310,12 @@ class Modes:
             moving = [name for name, way in zip(stands, begin, strict=True) if way]
             return len(moving), "slip" in moving, len({*moving} - {last})
 
-        for begin in sorted(product(HOW, repeat=len(stands)), key=order)[1:]:
+        begins = sorted(product(HOW, repeat=len(stands)), key=order)[1:]
+        for begin in reversed(begins) if self.m.same else begins:  # that of one mode alone is found sooner so
             yield from self._taken(before | dict(zip(stands, begin, strict=True)), stands, last, onward)
         *others, (key, _) = self._by_sign(before)
         yield from (self._branch(other, last, onward, carries) for other, carries in others)
-        yield self._branch(key, last, onward)  # what rounding has left
+        yield self._branch(key, last, onward)  # all stands, also by what rounding has left
 
     def _taken(
         self, now: Mapping[str, int], stands: Sequence[str], last: str, onward: int, more: tuple[Side, ...] = ()

@@ -100,23 +100,20 @@ def next_event(tables, mode, state, scale, limit, room, zeros, work):
 def choose_branch(tables, transition, state, scale):
     """Return the first branch of a transition whose conditions hold at ``state``, or −1; ``scale`` as in next_event."""
     for branch in range(tables.branch_start[transition], tables.branch_start[transition + 1]):
-        holds, decided = True, False
-        for k in range(tables.condition_start[branch], tables.condition_start[branch + 1]):
-            test = tables.condition_test[k]
-            if decided:
-                decided = test == Test.LEADS
-                continue
+        holds, k, end = True, tables.condition_start[branch], tables.condition_start[branch + 1]
+        while holds and k < end:
             value, size = level(tables.condition_row[k], state, scale)
-            if test == Test.LEADS:
-                holds, decided = value >= -size, value > size
-            elif test == Test.POSITIVE:
+            test = tables.condition_test[k]
+            if test == Test.POSITIVE:
                 holds = value > size
             elif test == Test.ZERO:
                 holds = abs(value) <= size
             else:
                 holds = value >= -size
-            if not holds:
-                break
+            while test == Test.LEADS and value > size:  # those that it leads to do not count
+                k += 1
+                test = tables.condition_test[k]
+            k += 1
         if holds:
             return branch
     return -1

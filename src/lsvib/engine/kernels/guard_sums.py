@@ -243,12 +243,14 @@ def lowest_from(flow, mode, sums, guard, node, t):
     return level
 
 
-@inlined_kernel
+@kernel
 def outlasts(flow, mode, sums, guard, node):
     """Whether a guard without a constant stays positive from a node on: its slowest part does, and outweighs all else.
 
     That part is real, and the others decay as fast at least, so that what they are of it never grows.
     """
+    if sums.constants[guard] != 0.0:
+        return False
     slowest, lead, total = -math.inf, 0.0, 0.0
     for pair in range(flow.pairs[mode]):
         row, at, parts = flow.oscillators[mode, pair], sums.pair_nodes[node, pair], sums.pairs[guard, pair]
@@ -265,4 +267,4 @@ def outlasts(flow, mode, sums, guard, node):
         if size != 0.0 and flow.rates[mode, single] > slowest:
             slowest, lead = flow.rates[mode, single], size
         total += abs(size)
-    return sums.constants[guard] == 0.0 and slowest < 0.0 and 2.0 * lead > total
+    return slowest < 0.0 and 2.0 * lead > total

@@ -121,8 +121,7 @@ def decide(flow, mode, work, guard, here, there, step, starts_on_surface):
         slack = _margin(least, low)
         if low > 0.0:
             return _POSITIVE, slack
-    # A guard that begins on zero and stays within its rounding has not fallen.
-    after = _ROOT if last[0] <= (-work.rounding[guard] if starts_on_surface else 0.0) else _POSITIVE
+    after = _ROOT if last[0] <= 0.0 else _POSITIVE
     sign = _common_sign(first[1], last[1])
     if sign != 0.0:
         low, least = guard_sums.least_between(flow, mode, work, guard, here, there, 1, sign, eighth)
@@ -203,7 +202,7 @@ def search(flow, mode, state, guards, on_surface, limit, work):
             if t > limit:
                 return NONE, -1, limit
             return GRAZE, touched, t if t >= 0.0 else 0.5 * (a + b)
-        if outcome == _ROOT:
+        if outcome == _ROOT and _fallen(work, there, on_surface):
             first, when = _earliest(flow, mode, work, there, a, b, on_surface, rate)
             if first < 0:
                 return NONE, -1, limit
@@ -233,6 +232,16 @@ def _first_below(values, b):
     for guard in range(values.shape[0]):
         lowest = guard if values[guard, 0] < values[lowest, 0] else lowest
     return (CROSSING if values[lowest, 0] <= 0.0 else LOST), lowest, b
+
+
+@kernel
+def _fallen(work, there, on_surface):
+    """Whether a guard is below zero; one that began on zero has not fallen while it is within its rounding."""
+    fallen = False
+    for guard in range(on_surface.size):
+        limit = -work.rounding[guard] if on_surface[guard] else 0.0
+        fallen = fallen or work.values[there, guard, 0] <= limit
+    return fallen
 
 
 @inlined_kernel
