@@ -39,7 +39,7 @@ Jerks differ from tooth to tooth, and at 10 rpm the torque swings once in a turn
 friction depends on the place.
 """
 
-ENDS = ("threads", "bearing")  # of a fit, that the model is, of friction at rest
+ENDS = ("threads", "bearing")  # where the fit puts friction at rest above that of sliding: in all, or in the bearing
 FOLDER = Path(__file__).parents[3] / "examples" / "measured_screw" / "drive1"
 TABLES = tuple(sorted(FOLDER.glob("*.csv")))
 RPM = math.pi / 30  # rad/s

@@ -165,7 +165,7 @@ class SlipDrive:
         return Slip(self.inertia[law], self.damping[law], self.stiffness)
 
     def braked(self, dry: Sequence[Any]) -> tuple[int, Any]:
-        """Return the law and the torque [N m] of threads, guide and bearing, ``static`` or ``sliding``."""
+        """Return the law and the torque [N m] of threads, guide and bearing with ``dry``: ``static`` or ``sliding``."""
         mu, guide, bearing = dry
         force = self.force - guide
         law = 1 if constant(force) > 0 else -1
