@@ -219,6 +219,8 @@ def run_in(room, tables, mode, now, until, events):
     work.steps[0] = clock[STEPS]
     while True:
         remaining = (until.time - clock[TIME]) - clock[CARRY]
+        if math.isnan(remaining):  # a motion back in time has left the range of numbers, and its time with it
+            return Status.DIVERGED, mode, count
         found, guard, stay = next_event(tables, mode, state, scale, remaining, room.guards, room.on_surface, work)
         clock[STEPS] = work.steps[0]
         if found == LOST:
