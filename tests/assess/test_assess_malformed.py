@@ -22,7 +22,7 @@ from lsvib.assess.quantities import (
     square_coefficient,
 )
 from lsvib.assess.sheet import Load
-from lsvib.assess.starting import starting
+from lsvib.assess.starting import Starts, starting
 from lsvib.assess.threads import thread_size
 from lsvib.models import friction
 
@@ -310,7 +310,7 @@ def test_a_start_from_rest_keeps_jerking_up_to_the_stated_speed():
     """On either side of it by two parts in a thousand; small perturbations decay there, as steady sliding is stable."""
     given = sheet(friction={**LAW, "static": 0.4}, operation=SLOW, load={"mass": "1 kg", "force": "-60 N"})
     draw = Draw.of(given)
-    edge = starting(draw, ()).even_speed
+    edge = starting(draw, Starts(law=True)).even_speed
     moved = [draw.at(1, part * edge, -60.0).motion(None) for part in (0.998, 1.002)]
     assert [one.vibrates for one in moved] == [True, False]
     assert draw.at(1, 0.998 * edge, -60.0).motion().attractor == "steady sliding"

@@ -8,13 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lsvib.assess import vibration as motions
+from lsvib.assess.advice import Change, advice
 from lsvib.assess.margins import ANY, Margin, margins, sensitivities
 from lsvib.assess.mechanisms import NAMES
 from lsvib.assess.operation import Draw, Operation, most_perturbed
 from lsvib.assess.sheet import Sheet
-from lsvib.assess.starting import Starting, starting
+from lsvib.assess.starting import Starting, Starts, starting
 from lsvib.assess.statics import Statics, statics
-from lsvib.assess.uncertainty import Uncertainty, WorstCase, study, worst_cases
+from lsvib.assess.uncertainty import Uncertainty, WorstCase, ends, study, worst_cases
 from lsvib.assess.words import TOLERATED
 from lsvib.errors import InputError
 
@@ -54,7 +55,8 @@ class Assessment:
     ``draw``: the drive at the middle values; ``verdict``: a key of
     :data:`lsvib.assess.words.VERDICTS`; ``efficiency`` [1] ``lifting``, ``lowering`` (None if self-locking);
     ``margins``: those of all mechanisms together, nearest first; ``nominal``, ``worst``: the motion at the middle
-    values and in the worst case, each where the reserve is lowest; ``starting``: what it does when it is switched on.
+    values and in the worst case, each where the reserve is lowest; ``starting``: what it does when it is switched on;
+    ``changes`` of one quantity that end vibration or jerks, those that end all of it first.
     """
 
     draw: Draw
@@ -69,6 +71,7 @@ class Assessment:
     worst: AssessedMotion
     statics: Statics
     starting: Starting
+    changes: list[Change]
 
     @property
     def names(self) -> list[str]:
@@ -82,12 +85,6 @@ class Assessment:
         found = self.mechanisms
         near = [(name, row) for name in self.names for row in found[name].margins if row.factor is not None]
         return min(near, key=lambda one: abs(math.log(one[1].factor or 1.0)), default=None)
-
-    @property
-    def helping(self) -> list[Margin]:
-        """Up to three changes of one quantity by a factor of three or less that end vibration or jerks."""
-        rows = self.margins if self.verdict == "vibrates" else self.starting.changes
-        return [row for row in rows if row.is_near(3.0)][:3]
 
     @property
     def absent(self) -> list[Margin]:
@@ -108,7 +105,8 @@ def assess(sheet: Sheet, samples: int = 4096, seed: int = 1) -> Assessment:
         sure: dict[str, Any] = {"probability": 1.0, "interval": (1.0, 1.0)} if spread.samples == 1 else {}
         perturbed = replace(found["after_perturbation"], occurs=True, there=nominal.there, **sure)
         found["after_perturbation"] = perturbed  # as the motion shows it, whatever its reserve says
-    started = _started(draw, found, cases, spread, nominal)
+    starts = Starts(sheet.friction.law)
+    started = _started(draw, found, cases, spread, nominal, starts)
     worst_motion = _worst_motion(sheet, found, cases, spread.upset) if cases else nominal
     verdict = _verdict(found, spread, cases, worst_motion, started)
     if verdict == "jerks" and started.motion is not None:
@@ -126,6 +124,7 @@ def assess(sheet: Sheet, samples: int = 4096, seed: int = 1) -> Assessment:
         worst=worst_motion,
         statics=statics(sheet),
         starting=started,
+        changes=advice(draw, edges[ANY], verdict == "vibrates", starts) if verdict in ("vibrates", "jerks") else [],
     )
 
 
@@ -158,7 +157,12 @@ def _mechanisms(draw: Draw, spread: Uncertainty, edges: dict[str, list[Margin]])
 
 
 def _started(
-    draw: Draw, found: dict[str, Mechanism], cases: dict[str, WorstCase], spread: Uncertainty, nominal: AssessedMotion
+    draw: Draw,
+    found: dict[str, Mechanism],
+    cases: dict[str, WorstCase],
+    spread: Uncertainty,
+    nominal: AssessedMotion,
+    starts: Starts,
 ) -> Starting:
     """What becomes of a start from rest, which is followed where nothing else tells."""
     middle = min(one.reserve for one in found.values())
@@ -169,8 +173,8 @@ def _started(
     if not draw.sheet.followed and (unstable or middle == 0):
         # A start from rest tells nothing new: it cannot become steady, as nothing damps it, or worse.
         return Starting(None, nominal.there, None)
-    draws = (Draw.of(draw.sheet, spread.points[:, k]) for k in range(spread.points.shape[1]))
-    return starting(draw, draws if spread.samples > 1 else (), advise=not unstable)
+    shares = (spread.points, ends(draw.sheet)) if draw.sheet.random else ()
+    return starting(draw, starts, *((Draw.of(draw.sheet, one) for one in part.T) for part in shares))
 
 
 def _upset(motion: AssessedMotion) -> bool:
@@ -201,12 +205,16 @@ def _verdict(
         return "jerks"
     if spread.any.value > 0:
         return "may vibrate"
-    if started.share > 0:
+    if started.jerky:
         return "may jerk"
     if found["after_perturbation"].occurs or (found["after_perturbation"].probability or 0) > 0:
         return "steady until perturbed"
-    if any(reserve < 0 for name, (reserve, _) in cases.items() if name in NAMES) or _upset(worst_motion):
+    if started.ends or any(cases[name][0] < 0 for name in cases if name in NAMES) or _upset(worst_motion):
         return "steady but for rare values"
+    if min(one.reserve for one in steady) == 0 and not started.there.draw.sheet.followed:
+        return "steady without reserve"
+    if started.jerks is None or started.unknown or started.ends is None:
+        return "start not known"
     return "steady without reserve" if min(one.reserve for one in steady) == 0 else "steady"
 
 

@@ -68,11 +68,26 @@ class Draw:
         return replace(self, values={**self.values, **values})
 
     def scaled(self, keys: Sequence[str], factors: Any) -> "Draw":
-        """Multiply some quantities; where a sheet gives the speed of the load, a larger lead turns the screw slower."""
-        changed = {key: self.values[key] * factors for key in keys}
-        if "lead" in keys and self.sheet.operation.speed.unit == "m/s":
-            changed |= {key: self.values[key] / factors for key in PAIRS["speed"]}
-        return self.changed(**changed)
+        """Multiply some quantities, and what the sheet makes follow from them.
+
+        With another diameter a given lead angle leads further, and a screw of some length is another cylinder; with
+        another lead the speed of the load turns the screw slower; with another inertia a bandwidth has other gains.
+        """
+        sheet, old, entries = self.sheet, self.values, self.entries
+        new = {key: old[key] * factors for key in keys}
+        if "pitch_diameter" in keys and sheet.thread.lead_angle is not None:
+            new["lead"] = old["lead"] * factors
+        if "pitch_diameter" in keys and sheet.screw.inertia is None and sheet.screw.diameter is None:
+            besides = entries.get("coupling.inertia", 0.0)
+            new["screw_inertia"] = besides + (old["screw_inertia"] - besides) * factors**4
+            if "screw_mass" in old and sheet.screw.mass is None:
+                new["screw_mass"] = old["screw_mass"] * factors**2
+        if "lead" in new and sheet.operation.speed.unit == "m/s":
+            new |= {key: old[key] / factors for key in PAIRS["speed"]}
+        if "motor.bandwidth" in entries and new.keys() & {"motor_inertia", "screw_inertia"}:
+            own = [sum({**old, **more}[key] for key in ("motor_inertia", "screw_inertia")) for more in ({}, new)]
+            new |= {key: old[key] * own[1] / own[0] for key in ("speed_gain", "integral_gain")}
+        return self.changed(**new)
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -244,23 +259,23 @@ class Operation:
         return vibration.tolerated(self.rigid)
 
 
-def most_perturbed(draw: Draw) -> tuple[bool | None, float, Operation | None]:
-    """Return whether a perturbation starts vibration of the drive with rigid parts, the smallest, and where.
+def most_perturbed(draw: Draw, asked: Sequence[Operation] = ()) -> tuple[bool | None, float, Operation | None]:
+    """Return whether a perturbation starts vibration of a drive, the smallest of the rigid one, and where.
 
-    Asked is the exact basin at every corner of the window where Γ₊ or C₊ is negative, as none does without (docs);
-    where it is not known, a motion after a strong perturbation, at all corners where friction is more than one number.
-    None if that does not show it either. The smallest is in rad/s, infinite if there is none.
+    Asked is the exact basin at each point ``asked``, else every corner of the window, where Γ₊ or C₊ is negative, as
+    none does without (docs); where it is not known, and with parts that comply, a motion after a strong perturbation,
+    at all corners where friction is more than one number. None if that does not show it either. The smallest is in
+    rad/s, infinite if there is none.
     """
-    sizes = {}
-    places = {
-        there.corner: there for there in draw.corners if draw.sheet.followed or there.reserves["after_perturbation"] < 0
-    }
+    sizes, sheet = {}, draw.sheet
+    points = {there.corner: there for there in asked or draw.corners}
+    places = {at: there for at, there in points.items() if sheet.followed or there.reserves["after_perturbation"] < 0}
     for corner, there in places.items():
-        size = there.tolerated[0]
+        size = there.tolerated[0] if sheet.stiff else None
         if not size:  # not known, or a drive that nothing damps
             try:
-                end = vibration.ended(there.rigid, -vibration.STRONG, vibration.work_of_many(()))[-1]
-                strong = vibration.word(end.label)
+                drive, work = (there.rigid if sheet.stiff else there.drive), vibration.work_of_many(sheet.parts)
+                strong = vibration.word(vibration.ended(drive, -vibration.STRONG, work)[-1].label)
             except (InputError, EngineError):
                 strong = "unknown"
             size = None if strong in ("steady sliding", *vibration.UNDECIDED) else vibration.STRONG * there.speed

@@ -115,6 +115,10 @@ def as_json(assessment: Assessment) -> dict[str, Any]:
         },
         "sobol": assessment.uncertainty.sobol,
         "from_rest": _starting_json(assessment.starting),
+        "changes": {
+            row.about.name: {"factor": row.factor, "value": row.value, "unit": row.about.unit, "left": row.left or None}
+            for row in assessment.changes
+        },
         "nominal": _motion_json(assessment.nominal),
         "worst_case": _motion_json(assessment.worst),
         "assumptions": dict(assessment.draw.sheet.assumptions),
@@ -147,9 +151,10 @@ def _starting_json(found: Starting) -> dict[str, Any]:
         "frequency": moved and moved.frequency,
         "peak_to_peak": moved and moved.amplitude and 2 * moved.amplitude,
         "cause": found.cause or None,
-        "changes_that_end_it": _margins_json(found.changes),
         "share_of_drawn": found.share,
         "drawn": found.drawn,
+        "jerky": found.jerky,
+        "not_known": found.unknown,
     }
 
 

@@ -47,7 +47,7 @@ def report(assessment: Assessment, charts: list[Chart]) -> str:
         spread=assessment.uncertainty,
         worst=assessment.worst.vibration,
         names=names,
-        changes=assessment.starting.changes
+        changes=[row for row in assessment.changes if row.factor]
         if assessment.verdict == "jerks"
         else [row for row in assessment.margins if row.is_near() and row.value],
         near=near,

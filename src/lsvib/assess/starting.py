@@ -4,29 +4,47 @@ The motions are those of :mod:`lsvib.stability.starting`, at the ends of the ran
 """
 
 import math
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field
+from collections.abc import Iterable
+from dataclasses import dataclass
 from itertools import islice, pairwise, product
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lsvib.assess.margins import Margin, changeable
 from lsvib.assess.operation import Draw, Operation
-from lsvib.assess.vibration import Vibration, work_of_many
+from lsvib.assess.vibration import Vibration
 from lsvib.errors import InputError
 from lsvib.models.drive import STATIC
 from lsvib.stability.starting import even_from, runs_evenly
 
 BEYOND = 10.0  # how many times below and above the window speeds are tried
 _STEPS = 6  # of these speeds, from end to end
-_CLOSE = 1e-3  # relative, to which a factor is closed in on
-_FACTORS = (1.5, 3.0)  # and their inverses: changes of one quantity that are tried
-_DRAWS = 16  # random drives that are started
-_WORK = 2_000  # of a motion, a fraction of a second where friction follows a law
+_DRAWS = 256  # random drives that are started; a quarter with parts that comply, an eighth with a law besides
+_ENDS = 64  # combinations of ends of the uncertain entries, likewise
+# Work of a motion, and of all those of a sheet that come to no end, in events; what is beyond gets the least.
+_WORK, _WORK_OF_LAW, _SUM, _LEAST = 100_000, 20_000, 40, 4_000
 _CONTACTS = ("threads", "guide", "bearing")  # whose friction at rest STATIC has
 Place = tuple[int, float]  # direction of travel, force [N]
+
+
+class Starts:
+    """Starts of the drives of one sheet from rest; those that come to no end share an allowance of work."""
+
+    def __init__(self, law: bool) -> None:
+        self.work = _WORK_OF_LAW if law else _WORK
+        self.left = _SUM * self.work
+
+    def evenly(self, there: Operation, stiff: bool = False) -> bool | None:
+        """Whether a drive, or the one with rigid parts, comes to run evenly; None where it is not known."""
+        try:
+            drive = there.rigid if stiff else there.drive
+        except InputError:
+            return None
+        work = self.work if self.left > 0 else _LEAST
+        found = runs_evenly(drive, work)
+        self.left -= work if found is None else 0
+        return found
 
 
 @dataclass(frozen=True)
@@ -39,8 +57,8 @@ class Starting:
     times the highest, None where it is not known. ``motion`` from rest there, if it jerks. ``cause`` there:
     ``threads``, ``guide`` or ``bearing``, without whose surplus of friction at rest it runs evenly, ``static``, if it
     does without that of all of these, ``law``, if without any change of friction with the speed, else empty.
-    ``changes`` of one quantity by no more than a factor of three that end it at all points of the window that are
-    tried, the smallest first. ``share`` of ``drawn`` drives that jerk at the lowest speed there.
+    Of ``drawn`` random drives ``jerky`` ones do so there, and of ``unknown`` ones it is not known; ``ends``: whether
+    one with all uncertain entries at an end of theirs does, at the lowest speed.
     """
 
     jerks: bool | None
@@ -48,98 +66,88 @@ class Starting:
     even_speed: float | None
     motion: Vibration | None = None
     cause: str = ""
-    changes: list[Margin] = field(default_factory=list)
-    share: float = 0.0
     drawn: int = 0
+    jerky: int = 0
+    unknown: int = 0
+    ends: bool | None = False
+
+    @property
+    def share(self) -> float | None:
+        """The part of the drawn drives that jerks, of those of which it is known; None if of none."""
+        if not self.drawn:
+            return None if self.jerks is None else float(self.jerks)
+        known = self.drawn - self.unknown
+        return self.jerky / known if known else None
 
 
-def starting(draw: Draw, draws: Iterable[Draw], advise: bool = True) -> Starting:
-    """Start a drive at the middle values, and some of ``draws``, random ones.
+def any_of(answers: Iterable[bool | None]) -> bool | None:
+    """Whether one of some drives does not run evenly, by whether each does; None where that is not known."""
+    found = list(answers)
+    return True if False in found else None if None in found else False
 
-    ``advise``: whether changes that end jerks are looked for.
+
+def starting(draw: Draw, starts: Starts, draws: Iterable[Draw] = (), ends: Iterable[Draw] = ()) -> Starting:
+    """Start a drive at the middle values, some of ``draws``, random ones, and those at the ``ends`` of their entries.
 
     With parts that comply the corner is that of the drive with rigid ones, and there the whole drive is started.
     """
-    places = [(direction, force) for direction in draw.sheet.directions for force in _forces(draw)]
-    low, high = draw.values["speed_low"], draw.values["speed_high"]
+    all_places, window = places(draw), speeds(draw)
+    low, high = window[0], window[-1]
     beyond = np.geomspace(low / BEYOND, BEYOND * high, _STEPS + 1)
-    tried = np.unique([*beyond[(beyond < low) | (beyond > high)], low, math.sqrt(low * high), high]).tolist()
-    window = [speed for speed in tried if low <= speed <= high]
+    tried = np.unique([*beyond[(beyond < low) | (beyond > high)], *window]).tolist()
 
-    def stiffly(place: Place, speed: float) -> bool | None:
-        """Whether the drive with rigid parts runs evenly."""
-        return evenly(draw.at(place[0], speed, place[1]), stiff=True)
+    def asked(place: Place, speed: float, own: Draw = draw, stiff: bool = False) -> bool | None:
+        """Whether a drive runs evenly."""
+        return starts.evenly(own.at(place[0], speed, place[1]), stiff)
 
-    def whole(speed: float, own: Draw = draw) -> bool | None:
-        """Whether the whole drive runs evenly at the worst place."""
-        return evenly(own.at(place[0], speed, place[1]))
+    often = {at: sum(asked(at, speed, stiff=True) is False for speed in window) for at in all_places}
+    found = {at: even_from(lambda speed, at=at: asked(at, speed, stiff=True), tried, high) for at in all_places}
+    worst = max(all_places, key=lambda at: (often[at], found[at] or 0.0))
+    # The whole drive is asked at the worst place of the rigid one, and at the lowest speed everywhere.
+    points = [*product([worst], window), *((at, low) for at in all_places)]
+    answers = {point: asked(*point) for point in (product(all_places, window) if draw.sheet.stiff else points)}
+    jerky = [point for point in points + list(answers) if answers[point] is False]
+    place, first = jerky[0] if jerky else (worst, low)
+    there = draw.at(place[0], first, place[1])
+    even_speed = found[place] if draw.sheet.stiff else even_from(lambda speed: asked(place, speed), tried, high)
+    few = 1 if draw.sheet.stiff else 8 if draw.sheet.friction.law else 4
+    own = [asked(place, first * one.values["speed_low"] / low, one) for one in islice(draws, _DRAWS // few)]
+    edges = islice(ends, _ENDS // few)
+    corners = any_of(asked(at, one.values["speed_low"], one) for one in edges for at in places(one))
+    spread = {"drawn": len(own), "jerky": own.count(False), "unknown": own.count(None), "ends": corners}
+    jerks = any_of(answers.values())
+    if not jerks:
+        return Starting(jerks, there, even_speed, **spread)
+    return Starting(True, there, even_speed, there.motion(None), _cause(there, starts), **spread)
 
-    found = {at: even_from(lambda speed, at=at: stiffly(at, speed), tried, high) for at in places}
-    often = {at: sum(stiffly(at, speed) is False for speed in window) for at in places}
-    place = max(places, key=lambda at: (often[at], found[at] or 0.0))  # what is not known counts as quiet
-    even_speed = found[place] if draw.sheet.stiff else even_from(whole, tried, high)
-    jerky = [speed for speed in window if whole(speed) is False]
-    there = draw.at(place[0], jerky[0] if jerky else low, place[1])
-    if not jerky:
-        ends = [whole(low, own) for own in islice(draws, _DRAWS)]
-        jerks, share = None if even_speed is None else False, ends.count(False) / max(len(ends), 1)
-        return Starting(jerks, there, even_speed, share=share, drawn=len(ends))
-    own = zip(_CONTACTS, STATIC, strict=True)
-    without = {where: {static: 0.0} for where, static in own if static in draw.values}
+
+def _cause(there: Operation, starts: Starts) -> str:
+    """What a drive that jerks would run evenly without."""
+    draw = there.draw
+    pairs = zip(_CONTACTS, STATIC, strict=True)
+    without = {where: {static: 0.0} for where, static in pairs if static in draw.values}
     if draw.sheet.followed:
         without["static"] = {static: 0.0 for one in without.values() for static in one}
         without["law"] = {**without["static"], "stribeck_rise": 0.0, "friction_slope": 0.0}
-    causes = (name for name, none in without.items() if whole(there.speed, draw.changed(**none)))
-    asked = [(place, there.speed), *product(places, window)]
-    changes = sorted(_changes(draw, asked) if advise else (), key=lambda row: abs(math.log(row.factor or 1.0)))
-    return Starting(True, there, even_speed, there.motion(None), next(causes, ""), changes, share=1.0)
+    own = ((name, draw.changed(**none).at(*there.corner)) for name, none in without.items())
+    return next((name for name, one in own if starts.evenly(one)), "")
 
 
-def evenly(there: Operation, stiff: bool = False) -> bool | None:
-    """Whether a drive, or the one with rigid parts, runs evenly once started from rest; None where it is not known."""
-    try:
-        drive = there.rigid if stiff else there.drive
-    except InputError:
-        return None
-    return runs_evenly(drive, min(_WORK, work_of_many(() if stiff else there.draw.sheet.parts)))
+def speeds(draw: Draw) -> list[float]:
+    """The speeds of the screw [rad/s] at which a drive is started: the ends and the middle of its window."""
+    low, high = draw.values["speed_low"], draw.values["speed_high"]
+    return np.unique([low, math.sqrt(low * high), high]).tolist()
 
 
-def _forces(draw: Draw) -> list[float]:
-    """The ends of the window of forces [N]; of two that push the same way, weight included, the larger one."""
+def places(draw: Draw) -> list[Place]:
+    """Where a drive is started: in each direction under the larger end of the window of forces, weight included.
+
+    Under both ends where they push opposite ways.
+    """
     weight, ends = draw.weight, (draw.values["force_low"], draw.values["force_high"])
     low, high = sorted(ends, key=lambda force: abs(force + weight))
-    return [high] if (low + weight) * (high + weight) >= 0 else [low, high]
-
-
-def _changes(draw: Draw, asked: list[tuple[Place, float]]) -> Iterator[Margin]:
-    """The changes of one quantity that end the jerks at the first of the points ``asked``, and at all of them."""
-    values = draw.values
-
-    def quiet(keys: tuple[str, ...], factor: float, points: list[tuple[Place, float]]) -> bool:
-        """Whether the changed drive runs evenly at some points of its window."""
-        own = draw.scaled(keys, factor)
-        faster, more = own.values["speed_low"] / values["speed_low"], factor if "force_low" in keys else 1.0
-        return all(evenly(own.at(way, faster * speed, more * force)) for (way, force), speed in points)
-
-    for name, keys in changeable(values).items():
-        sides = [list(_FACTORS), [1 / factor for factor in _FACTORS]]
-        if slowest := STATIC.get(name):  # it cannot be below that of slow sliding, nor that by rounding
-            least = sum(values.get(key, 0.0) for key in slowest) / values[name] * (1 + 1e-12)
-            sides = [[*(factor for factor in sides[1] if factor > least), *([least] if least else [])]]
-        ends = []
-        for factors in sides:
-            good = next((factor for factor in factors if quiet(keys, factor, asked[:1])), None)
-            if good is None:
-                continue
-            bad = ([1.0, *factors])[factors.index(good)]
-            while abs(math.log(good / bad)) > _CLOSE:
-                middle = math.sqrt(good * bad)
-                bad, good = (bad, middle) if quiet(keys, middle, asked[:1]) else (middle, good)
-            if quiet(keys, good, asked):
-                ends.append(good)
-        if ends:
-            best = min(ends, key=lambda factor: abs(math.log(factor)))
-            yield Margin(name, best, best * max((values[key] for key in keys), key=abs))
+    forces = [high] if (low + weight) * (high + weight) >= 0 else [low, high]
+    return list(product(draw.sheet.directions, forces))
 
 
 def outcomes(draw: Draw, direction: int, turning: NDArray[Any], force: NDArray[Any]) -> NDArray[np.float64]:
@@ -151,9 +159,11 @@ def outcomes(draw: Draw, direction: int, turning: NDArray[Any], force: NDArray[A
     answer of the nearest of 9 by 9.
     """
 
+    starts = Starts(draw.sheet.friction.law)
+
     def asked(speed: float, push: float) -> float:
         """The answer at a point."""
-        found = evenly(draw.at(direction, speed, push))
+        found = starts.evenly(draw.at(direction, speed, push))
         return math.nan if found is None else float(found)
 
     if not draw.sheet.stiff or draw.sheet.dry or draw.sheet.friction.sloped:

@@ -156,9 +156,9 @@ def statics(sheet: Sheet) -> Statics:
     return Statics(rows, "at the middle values" if surely else "within the uncertainties", falls)
 
 
-def lets_go(draw: Draw, changed: Values) -> bool:
+def lets_go(draw: Draw, changed: Draw) -> bool:
     """Whether a thread that holds at rest no longer does with ``changed`` quantities."""
-    holds = [bool(_at_rest(own) >= _holds_from(own, 0.0, 1.0)) for own in (draw, draw.changed(**changed))]
+    holds = [bool(_at_rest(own) >= _holds_from(own, 0.0, 1.0)) for own in (draw, changed)]
     return holds == [True, False]
 
 

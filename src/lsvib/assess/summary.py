@@ -50,6 +50,5 @@ def of_statics(found: Statics) -> list[str]:
 
 def drops(assessment: Assessment, row: Margin) -> bool:
     """Whether the load drops, once the current is off, with a change of one quantity."""
-    values = assessment.draw.values
-    keys = changeable(values).get(row.quantity, ())
-    return lets_go(assessment.draw, {key: values[key] * (row.factor or 1.0) for key in keys})
+    keys = changeable(assessment.draw.values).get(row.quantity, ())
+    return lets_go(assessment.draw, assessment.draw.scaled(keys, row.factor or 1.0))

@@ -168,12 +168,12 @@ def _indices(sheet: Sheet, entries: list[str], names: list[str], count: int, see
     return {name: dict(zip(entries, row, strict=True)) for name, row in zip(names, rows, strict=True)}
 
 
-def ends(sheet: Sheet) -> NDArray[np.float64]:
-    """Return the corners (d, n) of the unit cube of the uncertain entries, as many as a block has samples at most."""
+def ends(sheet: Sheet, most: int = BLOCK) -> NDArray[np.float64]:
+    """Return the corners (d, n) of the unit cube of the uncertain entries, ``most`` of them, a power of two."""
     size = len(sheet.random)
-    if size <= 12:
+    if 2**size <= most:
         return (np.arange(2**size) >> np.arange(size)[:, None]) % 2.0
-    return np.round(qmc.Sobol(size, scramble=True, rng=size).random(BLOCK).T)
+    return np.round(qmc.Sobol(size, scramble=True, rng=size).random(most).T)
 
 
 def worst_cases(sheet: Sheet, lowest: Mapping[str, NDArray[np.float64]]) -> dict[str, WorstCase]:

@@ -46,16 +46,19 @@ _NEAR = 1e-3  # the same, where a person asks from which speed on
 def runs_evenly(drive: Drive, work: int = 300_000) -> bool | None:
     """Whether the motion from rest ends in steady sliding; None where that is not known, with so much ``work``.
 
+    A vibration that has kept its size over the last thousand events, and more, counts as one that goes on.
+
     >>> [runs_evenly(Drive(static_friction_coefficient=0.4, input_speed=speed)) for speed in (1.0, 40.0)]
     [False, True]
     """
-    from lsvib.dynamics.attractor import Attractor
+    from lsvib.dynamics.attractor import Attractor, Doubt
 
     try:
         found = end_from_rest(drive, work)
     except (InputError, EngineError):
         return None
-    return None if found.label == Attractor.UNRESOLVED else found.label == Attractor.STEADY_SLIDING
+    known = found.label != Attractor.UNRESOLVED or found.doubt == Doubt.RECURRENT
+    return found.label == Attractor.STEADY_SLIDING if known else None
 
 
 def end_from_rest(drive: Drive, work: int = 300_000) -> "SteadyState":

@@ -1,0 +1,140 @@
+"""What ends vibration or jerks: changes of one quantity of a drive, each of which is asked all that the verdict asks.
+
+A change is looked for up to a factor of three, and rounded to what is printed, two digits of it, before it is asked.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from lsvib.assess.fields import LARGEST_HALF_ANGLE
+from lsvib.assess.margins import Margin, changeable
+from lsvib.assess.operation import Draw, most_perturbed
+from lsvib.assess.starting import Starts, places, speeds
+from lsvib.models.drive import STATIC
+
+MOST = 3.0  # the largest factor that is tried, and its inverse
+_FACTORS = (1.5, MOST)
+_CLOSE = 0.02  # of a change, to which it is closed in on
+_LEAST_LAW = 0.1  # of the largest friction in the window: below it a law of friction is not what was measured
+
+
+@dataclass(frozen=True)
+class Change(Margin):
+    """A change of one quantity, and what is ``left`` of vibration with it at the middle values.
+
+    That is ``""``, ``knock``, if a perturbation may still start vibration, ``start``, if steady running is stable, but
+    not reached from rest, or ``unknown``, if it is not known whether it is. The factor of a damping that is zero is
+    None.
+    """
+
+    left: str = ""
+
+
+def advice(draw: Draw, edges: list[Margin], vibrates: bool, starts: Starts) -> list[Change]:
+    """Return the smallest changes that end what a drive does at its middle values, those first that end all of it.
+
+    ``edges``: the changes at which steady running becomes stable, for a drive that ``vibrates``; others jerk from rest.
+    Changes that leave jerks are among them for a drive that vibrates only.
+    """
+    asker = _Asker(draw, starts)
+    near = {row.quantity: row for row in edges if vibrates}
+    found = list(_absent(asker, near))
+    for name, keys in changeable(draw.values).items():
+        ends = [one for side in _sides(draw, name, near.get(name)) if (one := _along(asker, name, keys, side))]
+        found += sorted(ends, key=lambda one: (one.left != "", abs(math.log(one.factor or 1.0))))[:1]
+    kept = [one for one in found if vibrates or one.left in ("", "knock")]
+    return sorted(kept, key=lambda one: (one.left != "", abs(math.log(one.factor or MOST))))
+
+
+def _absent(asker: "_Asker", near: dict[str, Margin]) -> Iterator[Change]:
+    """Changes of dampings that the sheet does not give."""
+    for name, row in near.items():
+        if row.factor is None and row.value is not None:
+            left = asker.left(asker.draw.changed(**{name: (value := _up(row.value))}))
+            if left != "vibrates":
+                yield Change(name, None, value, left)
+
+
+def _sides(draw: Draw, name: str, edge: Margin | None) -> list[list[float]]:
+    """The factors on a quantity that are tried, upwards and downwards, the smallest change first."""
+    sides = [list(_FACTORS), [1 / factor for factor in _FACTORS]]
+    if edge is not None and edge.is_near(MOST) and edge.factor:
+        side = sides[edge.factor < 1]
+        side[:] = [edge.factor, *(factor for factor in side if abs(math.log(factor / edge.factor)) > _CLOSE)]
+        side.sort(key=lambda factor: abs(math.log(factor)))
+    if slowest := STATIC.get(name):  # it cannot be below that of slow sliding, nor that by rounding
+        least = sum(draw.values.get(key, 0.0) for key in slowest) / draw.values[name] * (1 + 1e-12)
+        return [[*(factor for factor in sides[1] if factor > least), *([least] if least > 1 / MOST else [])]]
+    if any(name in slowest and static in draw.values for static, slowest in STATIC.items()):
+        return sides[1:]  # what raises friction in motion raises that at rest, too
+    if name == "half_angle":
+        return [[factor for factor in side if factor * draw.values[name] <= LARGEST_HALF_ANGLE] for side in sides]
+    return sides
+
+
+def _along(asker: "_Asker", name: str, keys: tuple[str, ...], factors: list[float]) -> Change | None:
+    """The smallest change towards some factors that ends all, or else the first that makes steady running stable."""
+    partial, before = None, 1.0
+    for factor in factors:
+        left = asker.left(asker.draw.scaled(keys, _rounded(factor)))
+        if left in ("", "knock"):
+            bad, good = before, factor
+            while abs(math.log(good / bad)) > _CLOSE * abs(math.log(good)):
+                middle = math.sqrt(good * bad)
+                ends = asker.left(asker.draw.scaled(keys, middle)) in ("", "knock")
+                bad, good = (bad, middle) if ends else (middle, good)
+            rounded = _rounded(good) if factor != factors[-1] or name not in STATIC else good
+            left = asker.left(asker.draw.scaled(keys, rounded))
+            return _change(asker.draw, name, keys, rounded, left) if left in ("", "knock") else None
+        if left != "vibrates" and partial is None:
+            partial = _change(asker.draw, name, keys, _rounded(factor), left)
+        before = factor
+    return partial
+
+
+def _change(draw: Draw, name: str, keys: tuple[str, ...], factor: float, left: str) -> Change:
+    return Change(name, factor, factor * max((draw.values[key] for key in keys), key=abs), left)
+
+
+def _rounded(factor: float) -> float:
+    """Return a factor whose change has two digits, as it is printed, and is no smaller."""
+    return _up(factor) if factor >= 2 else 1 + math.copysign(_up(abs(factor - 1)), factor - 1)
+
+
+def _up(size: float) -> float:
+    """Return a size rounded up to two digits."""
+    step = 10.0 ** (math.floor(math.log10(max(size, 1e-12))) - 1)
+    return math.ceil(size / step * (1 - 1e-9)) * step
+
+
+class _Asker:
+    """Asks of changed drives what the verdict asks of the drive, first at the point that failed last."""
+
+    def __init__(self, draw: Draw, starts: Starts) -> None:
+        self.draw, self.starts, self.level, self.failed = draw, starts, _level(draw), 0
+
+    def left(self, own: Draw) -> str:
+        """What is left of vibration, as of :class:`Change`, or ``vibrates``."""
+        reserves = {name: one.reserve[0] for name, one in own.worst.items()}
+        steady = min(reserve for name, reserve in reserves.items() if name != "after_perturbation")
+        if not steady >= 0 or _level(own) < min(_LEAST_LAW, self.level):
+            return "vibrates"
+        points = [own.at(way, speed, force) for way, force in places(own) for speed in speeds(own)]
+        sure = own.sheet.stiff and not own.sheet.followed and min(reserves.values()) > 0  # then slip shrinks every area
+        for k in [] if sure else sorted(range(len(points)), key=lambda k: k != self.failed):
+            if (even := self.starts.evenly(points[k])) is not True:
+                self.failed = k
+                return "start" if even is False else "unknown"
+        return "knock" if most_perturbed(own, points)[0] else ""
+
+
+def _level(draw: Draw) -> float:
+    """The least friction of a law in the window over the largest [1]; 1 without a law."""
+    if not draw.sheet.friction.law:
+        return 1.0
+    sliding = np.linspace(0.0, draw.values["speed_high"], 200)
+    found = draw.at(1, sliding, 0.0).friction[0]
+    return float(found.min() / max(found.max(), 1e-300))
