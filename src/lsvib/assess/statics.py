@@ -5,7 +5,7 @@ entries and of the window, and the worst one: at the ends of the operating windo
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -15,13 +15,7 @@ from numpy.typing import NDArray
 from lsvib.assess import window
 from lsvib.assess.materials import NUT_MATERIALS, SCREW_MATERIALS
 from lsvib.assess.operation import Draw
-from lsvib.assess.quantities import (
-    Values,
-    flank_coefficient,
-    lifting_efficiency,
-    lowering_efficiency,
-    sliding_speed,
-)
+from lsvib.assess.quantities import Values, flank_coefficient, sliding_speed
 from lsvib.assess.sheet import Sheet
 from lsvib.assess.uncertainty import ends
 from lsvib.assess.words import ABOUT
@@ -144,7 +138,7 @@ def statics(sheet: Sheet) -> Statics:
     middle = _judged(draw, *_middle(_window(draw)))
     surely_pushed = _pushed(draw).any()
     draw = Draw.of(sheet, ends(sheet))
-    worst = _judged(draw, *(np.concatenate(parts) for parts in zip(*_window(draw), strict=True)))
+    worst = _judged(draw, *_points(draw))
     rows = {key: _row(key, worst[key], middle.get(key)) for key in ABOUT if key in worst}
     holding, pushed = rows["holding_friction"], _pushed(draw)
     falls = bool((pushed * draw.weight > 0).any())
@@ -157,9 +151,10 @@ def statics(sheet: Sheet) -> Statics:
 
 
 def lets_go(draw: Draw, changed: Draw) -> bool:
-    """Whether a thread that holds at rest no longer does with ``changed`` quantities."""
-    holds = [bool(_at_rest(own) >= _holds_from(own, 0.0, 1.0)) for own in (draw, changed)]
-    return holds == [True, False]
+    """Whether a drive that holds its load at rest no longer does with ``changed`` quantities."""
+    key, both = "holding_friction", (draw, changed)
+    slips = [_pushed(own).any() and _row(key, _judged(own, *_points(own))[key], None).exceeded for own in both]
+    return bool(slips[1] and not slips[0])
 
 
 def _pushed(draw: Draw) -> Floats:
@@ -170,14 +165,24 @@ def _pushed(draw: Draw) -> Floats:
 def _window(draw: Draw) -> list[tuple[Floats, Floats, Floats]]:
     """Speeds [rad/s], loads against the travel without and with drag [N], at points of the window, (k, n) a direction.
 
-    They are those at which stability is asked, between its ends too where friction depends on the speed.
+    They are those at which stability is asked, between its ends too where friction depends on the speed, and those
+    nearest to no load and to one that the guide just holds.
     """
     found, drag = [], draw.values["translation_damping"] * draw.values["lead"] / (2 * math.pi)
+    pushed, guide = _pushed(draw), draw.values.get("slide_friction", 0.0)
+    own = [np.clip(held, pushed.min(), pushed.max()) - draw.weight for held in (0.0, guide, -guide)]
     for direction in draw.sheet.directions:
         speed, force = (table.reshape(len(table), -1) for table in window.points(draw, direction))
+        speed = np.concatenate([speed, *(speed[:1] for _ in own)])
+        force = np.concatenate([force, *(0 * force[:1] + one for one in own)])
         held = direction * (force + draw.weight)
         found.append((speed, held, held + drag * speed + draw.values.get("slide_friction", 0.0)))
     return found
+
+
+def _points(draw: Draw) -> Iterator[Floats]:
+    """The same of all directions together, (k, n)."""
+    return (np.concatenate(parts) for parts in zip(*_window(draw), strict=True))
 
 
 def _middle(window: Sequence[tuple[Floats, Floats, Floats]]) -> tuple[Floats, Floats, Floats]:
@@ -213,14 +218,13 @@ def _judged(draw: Draw, speed: Floats, held: Floats, load: Floats) -> dict[str, 
     at_rest = _at_rest(draw)
     bearing, guide = (values.get(key, 0.0) for key in ("bearing_friction", "slide_friction"))
     still, standing = values.get("bearing_static_friction", bearing), values.get("slide_static_friction", guide)
-    rest, motion = (draw.square(at_rest), still), (coefficient, bearing)
+    rest, motion = (draw.square(at_rest), collar, still), (coefficient, collar, bearing)
     left, stuck = (np.clip(np.abs(held) - own, 0.0, None) for own in (guide, standing))  # what the guide does not hold
     nut = entries.get("nut.preload", 0.0), entries.get("nut.load_share", 1.0)
 
-    def needed(force: Any, rubs: tuple[Any, Any], lifting: bool) -> Any:
-        """The torque against or with a force, without damping, by the friction of threads and bearing."""
-        relieved = relieved_half(force, *nut)
-        return torque(force, radius, angle, rubs[0], lifting, collar, relieved) + rubs[1]
+    def needed(force: Any, rubs: tuple[Any, Any, Any], lifting: bool) -> Any:
+        """The torque against or with a force, without damping, by the friction of threads, collar and bearing."""
+        return torque(force, radius, angle, rubs[0], lifting, rubs[1], relieved_half(force, *nut)) + rubs[2]
 
     drag, size = values["support_damping"] * speed, np.abs(load)
     against, along = (needed(size, motion, lifting) + drag for lifting in (True, False))
@@ -240,19 +244,23 @@ def _judged(draw: Draw, speed: Floats, held: Floats, load: Floats) -> dict[str, 
                 found[row] = np.where(acting, effort * factor, np.nan), None
     if "lifting_torque" in found and "coupling.gear_ratio" in entries:
         found["motor_torque"] = found["lifting_torque"][0] / entries["coupling.gear_ratio"], None
-    if held.any() or not sheet.preloaded:  # both halves of a nut rub whatever the load, so without one there is none
-        found["lifting_efficiency"] = np.where(turns, lifting_efficiency(coefficient, angle, collar), 0.0), None
-        found["lowering_efficiency"] = lowering_efficiency(coefficient, angle, collar), None
-    rubs, work = sheet.dry or sheet.preloaded, np.abs(held) * radius * np.tan(angle)  # per radian
-    if rubs and held.any():
-        with np.errstate(divide="ignore", invalid="ignore"):
-            found["lowering_efficiency"] = np.where(held != 0, braking / work, np.nan), None
-    if rubs and (held > 0).any():
-        share = work / needed(held + guide, motion, True)
-        found["lifting_efficiency"] = np.where((held > 0) & turns, share, np.where(held > 0, 0.0, np.nan)), None
-    found["holding_friction"] = at_rest, _holds_from(draw, still, stuck, relieved_half(stuck, *nut))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        useful = np.abs(held) * radius * np.tan(angle)  # per radian
+        share = np.where(turns, useful / needed(held + guide, motion, True), 0.0)  # NaN where nothing rubs or moves
+        driving = np.where((left > 0) | ~turns, braking, -needed(guide - np.abs(held), motion, True)) / useful
+    if (held > 0).any():
+        found["lifting_efficiency"] = np.where(held >= 0, share, np.nan), None
+    if held.any():
+        found["lowering_efficiency"] = np.where(held != 0, driving, np.nan), None
+    # Where nothing pushes it says what any load would need.
+    asked = (still, stuck, relieved_half(stuck, *nut)) if held.any() else (0.0, 1.0)
+    found["holding_friction"] = at_rest, _holds_from(draw, *asked)
     found |= _nut(draw, size + relieved_half(size, *nut), sliding_speed(speed, radius, angle))
-    return found | _shaft(sheet, entries, speed, size, np.where(load >= 0, against, np.abs(along)))
+    loaded = whole = np.where(load >= 0, against, np.abs(along))
+    if "collar_friction" in values:  # which stands between the motor and the part that bears the load
+        up, down = (needed(size, (coefficient, 0.0, 0.0), lifting) for lifting in (True, False))
+        loaded = np.where(load >= 0, np.where(turns, up, np.inf), np.abs(down))
+    return found | _shaft(sheet, entries, speed, size, (whole, loaded))
 
 
 def _holds_from(draw: Draw, bearing: Any, left: Any, relieved: Any = 0.0) -> Any:
@@ -260,7 +268,7 @@ def _holds_from(draw: Draw, bearing: Any, left: Any, relieved: Any = 0.0) -> Any
     helps, tangent = draw.collar * left + bearing / draw.pitch_radius, np.tan(draw.lead_angle)
     with np.errstate(divide="ignore", invalid="ignore"):
         root = holding_coefficient(-helps, left, relieved, tangent, 1)
-    needed = np.where(left > 0, root, 0.0 if np.any(left > 0) else tangent)
+    needed = np.where(left > 0, root, 0.0)  # nothing, where the guide holds all of it
     return flank_coefficient(np.clip(needed, 0.0, None), draw.lead_angle, draw.values["half_angle"])
 
 
@@ -289,8 +297,13 @@ def _nut(draw: Draw, force: Floats, sliding: Any) -> dict[str, Judged]:
     }
 
 
-def _shaft(sheet: Sheet, entries: Values, speed: Floats, force: Floats, turned: Any) -> dict[str, Judged]:
-    """The screw as a column, whichever way the ``force`` acts, its speed, and the stress with the torque ``turned``."""
+def _shaft(
+    sheet: Sheet, entries: Values, speed: Floats, force: Floats, torques: tuple[Floats, Floats]
+) -> dict[str, Judged]:
+    """The screw as a column, whichever way the ``force`` acts, its speed, and the larger stress of its two sides.
+
+    ``torques``: the whole one, on the side of the motor, and that of the part which bears the load.
+    """
     found: dict[str, Judged] = {}
     diameter = entries.get("screw.root_diameter", sheet.thread.size and sheet.thread.size.root_diameter)
     material = SCREW_MATERIALS[sheet.screw.material or "steel"]
@@ -301,7 +314,8 @@ def _shaft(sheet: Sheet, entries: Values, speed: Floats, force: Floats, turned: 
         whirling = critical_speed(material.modulus, material.density, diameter, length, root)
         found = {"column_load": (force, SAFE * column), "screw_speed": (speed, SAFE * whirling)}
     if diameter is not None and sheet.screw.density is None:
-        found["root_stress"] = root_stress(force, turned, diameter), material.yield_strength
+        sides = (root_stress(*both, diameter) for both in zip((0.0, force), torques, strict=True))
+        found["root_stress"] = np.maximum(*sides), material.yield_strength
     return found
 
 
