@@ -38,6 +38,7 @@ _KINDS = {  # of quantities, by the unit in which the package counts them, each 
     "N": ("a force", "50 N"),
     "N m": ("a torque", "3 mN*m"),
     "N/m": ("a stiffness", "1e6 N/m"),
+    "Hz": ("a frequency", "50 Hz"),
     "rad/s": ("a rotational speed", "60 rpm"),
     "m/s": ("a speed", "10 mm/s"),
     "s/m": ("a slope of the friction coefficient over the sliding speed", "-0.02 s/m"),
@@ -47,6 +48,8 @@ _TEXT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([^\d\s(+\
 _FRACTION = re.compile(r"\s*(\d{1,3})/([1-9]\d{0,2})\s+(?=[A-Za-z])", re.ASCII)  # 1/2 inch
 _PER_INCH = re.compile(r"\s*([1-9]\d{0,2}(?:\.\d+)?)\s*(?:tpi|TPI)\s*", re.ASCII)  # threads per inch: a pitch
 _UNIT = re.compile(r"[A-Za-z_µμ°²³%*/^·() 0-9.\-]{1,40}")  # the longest sensible one has a dozen characters
+_SEVERAL = {"ton": "t, short_ton or long_ton", "gr": "g or grain"}  # which pint takes for 907 kg and for 65 mg
+_NAMED = re.compile(r"(?<![A-Za-z_])(ton|gr)s?(?![A-Za-z])")
 # Other powers, and powers of powers, take pint for ever.
 _POWER = re.compile(r"(?:\^|\*\*) ?\(?-?\d{1,2}\)?(?![\d.^(]| ?\*\*)")
 
@@ -89,6 +92,8 @@ def quantity(value: Any, *units: str) -> tuple[float, str]:
         return float(Decimal(match[1]).scaleb(-2)), ""  # 0.999 for 99.9 %, which a division would miss
     if not _UNIT.fullmatch(unit) or re.search(r"\^|\*\*", _POWER.sub("", unit)):
         raise NotQuantity(f"= {shown(value)} is not {_wanted(units)}")
+    if several := _NAMED.search(unit):
+        raise NotQuantity(f"= {shown(value)} has a unit of several meanings; write {_SEVERAL[several[1]]}")
     return _converted(figure, unit, units, value)
 
 
@@ -273,6 +278,8 @@ def _least(key: str) -> float:
 LARGEST_HALF_ANGLE = math.radians(60)
 # The ranges are those of the drives of the package, or narrower where no screw of metal reaches.
 Length = _field("m", 1e-6, 100.0)
+Diameter = _field("m", 1e-5, 1.0)
+Lead = _field("m", 1e-5, 10.0)
 LeadAngle = _field("rad", _least("lead_angle"), math.radians(80))
 HalfAngle = _field("rad", 0.0, LARGEST_HALF_ANGLE)
 Mass = _field("kg", _least("mass"), 1e9)
@@ -289,8 +296,8 @@ Force = _field("N", -1e10, 1e10)
 Rubbing = _field("N", 0.0, 1e10)
 Torque = _field("N m", -1e9, 1e9)
 Drag = _field("N m", 0.0, 1e9)
-Speed = _positive({"rad/s": 1e6, "m/s": 1e4})
-Bandwidth = _positive({"Hz": 1e5})
+Speed = _positive({"rad/s": 1e6, "m/s": 1e3})
+Bandwidth = _field("Hz", 0.01, 1e5)
 Duration = _positive({"s": 1e3})
 Holding = _positive({"N m": 1e9})
 Ratio = _positive({"": 1e4})

@@ -13,7 +13,7 @@ from lsvib.assess.fields import Spread
 from lsvib.assess.materials import NUT_MATERIALS, SCREW_MATERIALS
 from lsvib.assess.threads import Size
 from lsvib.errors import InputError
-from lsvib.models.drive import sentence_about
+from lsvib.models.drive import names_and_values, sentence_about
 from lsvib.models.pairings import PAIRINGS, stated
 from lsvib.models.scene import read_yaml
 from lsvib.numbers import shown, whole_between
@@ -54,12 +54,12 @@ class Thread(Part):
     """A thread: a size of the catalogue, or lead (or lead angle, or pitch and starts) and diameter."""
 
     size: Size | None = None
-    lead: fields.Length | None = None
+    lead: fields.Lead | None = None
     lead_angle: fields.LeadAngle | None = None
-    pitch: fields.Length | None = None
+    pitch: fields.Lead | None = None
     starts: Annotated[int, BeforeValidator(lambda value: whole_between("thread.starts", value, 1, 50))] = 1
-    nominal_diameter: fields.Length | None = None
-    pitch_diameter: fields.Length | None = None
+    nominal_diameter: fields.Diameter | None = None
+    pitch_diameter: fields.Diameter | None = None
     half_angle: fields.HalfAngle | None = None
     _needed = (("size", "lead", "lead_angle", "pitch"), ("size", "nominal_diameter", "pitch_diameter"))
     _either = (
@@ -94,13 +94,13 @@ class Screw(Part):
 
     inertia: fields.Inertia | None = None
     length: fields.Length | None = None
-    diameter: fields.Length | None = None
+    diameter: fields.Diameter | None = None
     material: str | None = None
     density: fields.Density | None = None
     mass: fields.Mass | None = None
     ends: Literal["fixed-free", "supported-supported", "fixed-supported", "fixed-fixed"] | None = None
     unsupported_length: fields.Length | None = None
-    root_diameter: fields.Length | None = None
+    root_diameter: fields.Diameter | None = None
     _either = (("inertia", "length"), ("material", "density"))
 
     def _misfit(self) -> str | None:
@@ -230,7 +230,7 @@ class Friction(Part):
         if not isinstance(values, Mapping) or values.get("pairing") is None:
             return values
         name = values["pairing"]
-        if name not in PAIRINGS:
+        if not isinstance(name, str) or name not in PAIRINGS:
             raise InputError(f"friction.pairing = {shown(name)} is not known; lsvib pairings lists all.")
         law = stated(name)
         low, high = PAIRINGS[name].low, PAIRINGS[name].high
@@ -280,7 +280,7 @@ class Collar(Part):
     """A thrust collar that slides under the axial force: its friction coefficient and its mean diameter."""
 
     coefficient: fields.Coefficient
-    mean_diameter: fields.Length
+    mean_diameter: fields.Diameter
 
 
 class Bearing(Part):
@@ -348,10 +348,11 @@ class Sheet(Part):
     @classmethod
     def of(cls, values: Mapping[str, Any]) -> Self:
         """Make a sheet from names and values; raises ``InputError`` in one sentence."""
-        if isinstance(values, Mapping) and values.get("contact") == "rigid":
-            values = {key: value for key, value in values.items() if key != "contact"}
+        values = names_and_values("sheet", values)
+        if values.get("contact") == "rigid":
+            del values["contact"]
         try:
-            sheet = cls.model_validate(dict(values))
+            sheet = cls.model_validate(values)
         except ValidationError as error:
             raise InputError(sentence_about(cls, error)) from None
         for _, part in sheet:

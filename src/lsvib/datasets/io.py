@@ -62,7 +62,7 @@ def read_dataset(path: str | os.PathLike[str]) -> xr.Dataset:
     """Read a dataset into memory; raises ``InputError`` if the file is missing or is not a readable netCDF file."""
     path = Path(path)
     if not path.is_file():
-        raise InputError(f"{path} does not exist.")
+        raise InputError(f"{path} {'is not a regular file' if path.exists() else 'does not exist'}.")
     try:
         return xr.load_dataset(path, engine="netcdf4")
     except (OSError, RuntimeError, ValueError) as error:

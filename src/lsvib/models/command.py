@@ -7,6 +7,7 @@ in each of them, and the end of a piece is an event like any other.
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -36,9 +37,14 @@ class Command(BaseModel):
 
     def __init__(self, /, **values: Any) -> None:
         """Make a command from its keys; raises ``InputError`` in one sentence."""
-        for key in values.keys() & {"times", "speeds"}:
-            if isinstance(values[key], str) or not isinstance(values[key], Iterable):
-                raise InputError(f"command.{key} = {shown(values[key])} is not a list of numbers.")
+        for key in filter(values.__contains__, ("times", "speeds")):
+            given = values[key]
+            single = not isinstance(given, Iterable) or getattr(given, "ndim", 1) == 0
+            if single or isinstance(given, str | bytes | Mapping):
+                raise InputError(f"command.{key} = {shown(given)} is not a list of numbers.")
+            values[key] = list(islice(given, _MOST + 1))  # of millions none is looked at
+            if len(values[key]) > _MOST:
+                raise InputError(f"command has more than {_MOST} {key}; the allowed range is 2 <= {key} <= {_MOST}.")
         try:
             super().__init__(**values)
         except ValidationError as error:
@@ -49,7 +55,7 @@ class Command(BaseModel):
         times = np.array(self.times)
         if len(self.speeds) != times.size:
             raise InputError(f"command has {times.size} times and {len(self.speeds)} speeds; give one for each.")
-        if not 2 <= times.size <= _MOST:
+        if times.size < 2:
             raise InputError(f"command has {times.size} times; the allowed range is 2 <= times <= {_MOST}.")
         if times[0] < 0 or times[-1] > 1e9 or (np.diff(times) < 0).any() or (times[2:] == times[:-2]).any():
             raise InputError("command.times must ascend within 0 <= time <= 1e9 s, with no time more than twice.")

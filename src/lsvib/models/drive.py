@@ -398,15 +398,22 @@ def _resolved(values: dict[str, Any]) -> dict[str, Any]:
     return {**rest, "lead_angle": math.radians(degrees)}
 
 
+_EXAMPLES = {
+    "drive": ", such as mass: 11.0",
+    "start": ", such as u: 0.1 and w: 0.0, and is not rest",
+    "command": ", such as times: [0, 1] and speeds: [0, 40]",
+}
+
+
 def names_and_values(name: str, given: Any) -> dict[str, Any]:
     """Return a mapping of names as a dictionary, None as an empty one; ``InputError`` for anything else."""
     if given is None:
         return {}
     if not isinstance(given, Mapping):
-        raise InputError(f"{name} = {shown(given)} does not hold names and values, such as mass: 11.0.")
+        raise InputError(f"{name} = {shown(given)} does not hold names and values{_EXAMPLES.get(name, '')}.")
     for key in given:
         if not isinstance(key, str):
-            raise InputError(f"{shown(key)} is not a known key of {name}: keys are names, such as mass.")
+            raise InputError(f"{shown(key)} is not a known key of {name}: keys are names.")
     return dict(given)
 
 
@@ -426,6 +433,17 @@ def parameters_of(drive: Drive | Mapping[str, Any] | None) -> dict[str, Any]:
     return drive.model_dump() if isinstance(drive, Drive) else names_and_values("drive", drive)
 
 
+_NO_TYPE = {
+    "string_type": "text",
+    "string_too_short": "text of one character or more",
+    "string_too_long": "text of at most {max_length} characters",
+    "tuple_type": "a list",
+    "list_type": "a list",
+    "too_short": "a list of {min_length} or more",
+    "too_long": "a list of at most {max_length}",
+}
+
+
 def sentence_about(model: type[BaseModel], error: ValidationError) -> str:
     """Return one sentence about the first complaint of pydantic about a model, with key, value and range.
 
@@ -439,7 +457,7 @@ def sentence_about(model: type[BaseModel], error: ValidationError) -> str:
     key, kind, value = ".".join(str(part) for part in first["loc"]), first["type"], shown(first["input"])
     if isinstance(cause, ValueError) and not isinstance(cause, InputError):
         return f"{key} {cause}."
-    if kind == "extra_forbidden":
+    if kind in ("extra_forbidden", "invalid_key"):
         for part in filter(lambda part: isinstance(part, str), first["loc"][:-1]):  # not the places in a list
             annotation = model.model_fields[str(part)].annotation
             kinds = (annotation, *getattr(annotation, "__args__", ()))
@@ -451,6 +469,8 @@ def sentence_about(model: type[BaseModel], error: ValidationError) -> str:
         return f"{key} = {value} is not one of {first['ctx']['expected'].replace(chr(39), '')}."
     if kind in ("model_type", "model_attributes_type", "dict_type"):
         return f"{key} = {value} does not hold names and values."
+    if kind in _NO_TYPE:
+        return f"{key.removesuffix('.[key]')} = {value} is not {_NO_TYPE[kind].format(**first.get('ctx', {}))}."
     allowed = allowed_range(model, key) if key in model.model_fields else ""
     if isinstance(cause, NotNumber):
         return f"{key} = {value} {cause}{'; the allowed range is ' if allowed else ''}{allowed}."
