@@ -170,12 +170,11 @@ def _window(draw: Draw) -> list[tuple[Floats, Floats, Floats]]:
     """
     found, drag = [], draw.values["translation_damping"] * draw.values["lead"] / (2 * math.pi)
     pushed, guide = _pushed(draw), draw.values.get("slide_friction", 0.0)
-    own = [np.clip(held, pushed.min(), pushed.max()) - draw.weight for held in (0.0, guide, -guide)]
+    own = [np.clip(held, pushed.min(), pushed.max()) for held in (0.0, guide, -guide)]
     for direction in draw.sheet.directions:
         speed, force = (table.reshape(len(table), -1) for table in window.points(draw, direction))
         speed = np.concatenate([speed, *(speed[:1] for _ in own)])
-        force = np.concatenate([force, *(0 * force[:1] + one for one in own)])
-        held = direction * (force + draw.weight)
+        held = direction * np.concatenate([force + draw.weight, *(0 * force[:1] + one for one in own)])
         found.append((speed, held, held + drag * speed + draw.values.get("slide_friction", 0.0)))
     return found
 
@@ -236,7 +235,7 @@ def _judged(draw: Draw, speed: Floats, held: Floats, load: Floats) -> dict[str, 
         ("holding", holding > 0, holding),
         ("starting", (held + standing > 0) & sticks, needed(held + standing, rest, True)),
         ("lifting", (load > 0) | (not load.any()), against),
-        ("lowering", (load < 0) & (along >= 0), along),
+        ("lowering", (load <= 0) & (along > 0) & (load < 0).any(), along),  # most torque may be next to no load
         ("braking", (held < 0) & (braking > 0), braking),
     ):
         for row, factor in ((f"{name}_torque", 1.0), (f"{name}_power", speed)):
