@@ -215,6 +215,12 @@ PYTHON = [
     (lambda: lsvib.Drive().chart(("mass", 0, 2, 3), ("axial_force", 1, 2, 3)), "mass = 0"),
     (lambda: lsvib.Drive().chart(("mass", 1, 2, 20_000), ("axial_force", 1, 2, 20_000)), "more than"),
     (lambda: read_dataset("text"), "not a readable netCDF file"),
+    *((lambda name=name: read_dataset(name), f"{name} is not a regular file.") for name in ("folder", "pipe")),
+    (
+        lambda: lsvib.Drive().simulate("rset", 1),
+        "start = 'rset' does not hold names and values, such as u: 0.1 and w: 0.0",
+    ),
+    (lambda: lsvib.Drive().simulate("rest", 1, outputs=5), "outputs = 5 is not a list."),
     (lambda: check({**SETTINGS, "colour": 1}), UNKNOWN),
     (lambda: NEAR_FOLD.follow(NEAR_FOLD.cycles(), "axial_force", (-18.5, -18.35)), "what is followed is one cycle"),
     (lambda: NEAR_FOLD.sweep(mass=np.array(1.0)), "mass = array(1.) is not a list of numbers"),

@@ -1,5 +1,7 @@
 """A commanded speed that changes: pieces, jumps, seizures and stops; motions are held by ``test_contacts.py``."""
 
+from itertools import count
+
 import numpy as np
 import pytest
 from references.known import PARADOX
@@ -98,7 +100,12 @@ def test_a_scene_with_a_command():
         ({"times": [0, "fast"], "speeds": [0, 1]}, "command: times.1 = 'fast' is not a number"),
         ({"times": [0, 1]}, "command: speeds is missing"),
         ({"times": [0, 1], "speeds": [0, 1], "until": 3}, "until is not a known key; the known keys are times, speeds"),
-        ([0, 1], "command = [0, 1] does not hold names and values"),
+        ([0, 1], "command = [0, 1] does not hold names and values, such as times: [0, 1] and speeds: [0, 40]."),
+        (
+            {"times": count(), "speeds": [0, 1]},
+            "command has more than 1000 times; the allowed range is 2 <= times <= 1000.",
+        ),
+        ({"times": np.array(1.0), "speeds": [0, 1]}, "command.times = array(1.) is not a list of numbers"),
     ],
 )
 def test_a_wrong_command_is_refused_in_one_sentence(command, words):

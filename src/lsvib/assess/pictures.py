@@ -99,7 +99,7 @@ def screw_chart(motion: AssessedMotion) -> Figure:
     """Phase plane of the screw in one motion, with its start and the point of steady running."""
     figure, moved = style.new_figure(WIDTH, 2.7), motion.vibration
     axis = figure.subplots()
-    twist, speed = np.degrees(moved.angle), moved.speed * 60 / (2 * math.pi)
+    twist, speed = np.degrees(moved.twist), moved.speed * 60 / (2 * math.pi)
     axis.plot(twist, speed, color=style.BLUE, linewidth=0.9)
     axis.plot(twist[0], speed[0], "o", color=style.ORANGE, label="start")
     steady = motion.there.direction * motion.there.speed * 60 / (2 * math.pi)

@@ -42,8 +42,8 @@ class Vibration:
     load [m] (half of peak to peak, about steady travel), ``load_speed`` lowest and highest [m/s], ``screw_speed``
     likewise [rad/s], ``peak_contact_force`` between impacts [N], ``peak_impulse`` of an impact [N s] (0 without).
     ``scene``: names and values of a scene that shows it; ``time`` [s], ``deviation`` of the load [m], ``speed`` of the
-    screw [rad/s] and ``angle`` deviation [rad]: samples (n) of the motion, even ones and more between its events, so
-    that short slips are resolved. ``reason``: why nothing is known, if so.
+    screw [rad/s], deviations of its ``angle`` and of the ``twist`` of the coupling [rad]: samples (n) of the motion,
+    even ones and more between its events, so that short slips are resolved. ``reason``: why nothing is known, if so.
     """
 
     parts: Parts
@@ -59,6 +59,7 @@ class Vibration:
     deviation: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
     speed: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
     angle: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
+    twist: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
     reason: str | None = None
 
     @property
@@ -89,6 +90,7 @@ def vibration(drive: Drive, perturbation: float | None, parts: Parts, law: bool)
     except EngineError as error:
         return Vibration(parts, words, reason=str(error))
     row = _load_row(drive, automaton.states)
+    behind = states[:, automaton.states.index("motor_angle")] if "motor_angle" in automaton.states else 0.0
     return Vibration(
         parts,
         words,
@@ -97,6 +99,7 @@ def vibration(drive: Drive, perturbation: float | None, parts: Parts, law: bool)
         deviation=states @ row,
         speed=states[:, 1] + drive.input_speed,
         angle=states[:, 0],
+        twist=states[:, 0] - behind,
         **({} if end.orbit is None or end.label in _WITHOUT_CYCLE else _of_cycle(drive, end.orbit, row)),
     )
 
@@ -130,7 +133,8 @@ def _shown(
     """Start, duration [s], times and states of a motion to be looked at.
 
     A motion that ends in a cycle is shown for six periods, from a part of its speed, so that its growth takes little
-    time, or from as late as it takes to come near the cycle; any other starts as given and goes on for some swings.
+    time, from as late as it takes to come near the cycle, or, if that is long after, as behind a slow control, on the
+    cycle; any other starts as given and goes on for some swings.
     """
     swing = 2 * math.pi * math.sqrt(drive.screw_inertia / drive.coupling_stiffness)
     orbit = None if end.label in _WITHOUT_CYCLE else end.orbit
@@ -140,7 +144,7 @@ def _shown(
         ends = np.array([orbit_extremes(orbit, row) for row in np.eye(2, len(automaton.states) + 1)])  # of u, w
         start = {**start, "w": math.copysign(max(abs(start["w"]), 0.3 * np.abs(ends[1]).max()), start["w"])}
     names, later = (*definition.required, *definition.optional), start
-    for _ in range(64):  # slower growth is shown in part
+    for _ in range(64):
         start = later
         motion = follow(automaton, definition.initial_state(drive, start), span)
         late, _ = motion.at(np.linspace(0.5 * span, span, _SAMPLES // 4 + 1))
@@ -148,6 +152,9 @@ def _shown(
         if orbit is None or (off <= 0.05 * np.ptp(ends, axis=1)).all():
             break
         later = dict(zip(names, late[-1].tolist(), strict=True))
+    else:
+        start = dict(zip(names, orbit.at([0.5 * end.period])[0][0].tolist(), strict=True))
+        motion = follow(automaton, definition.initial_state(drive, start), span)
     # Between two events, however close, twenty and the last before the next: none is missed.
     ends = np.unique([0.0, *motion.time, span])
     within = np.interp(np.arange(20 * ends.size - 19) / 20, np.arange(ends.size), ends)
