@@ -23,18 +23,17 @@ from lsvib.stability.conditions import stability
 from lsvib.stability.force_thresholds import threshold_force
 from lsvib.stability.spectrum import eigenvalue_pair
 
+DAMPED = {"rotational": "2e-4 N*m*s/rad", "translational": "1000 N*s/m"}
+
 
 def test_the_chapters_drive_has_the_thresholds_of_the_figures():
     """m_cr and the onset, by margins; stick and detach force, as lines of the chart."""
-    given = sheet(
-        load={"mass": "1 kg", "force": "-40 N"}, damping={"rotational": "2e-4 N*m*s/rad", "translational": "1000 N*s/m"}
-    )
+    given = sheet(load={"mass": "1 kg", "force": "-40 N"}, damping=DAMPED)
     found = margins(Draw.of(given))
     of = {name: {row.quantity: row for row in table} for name, table in found.items()}
     screw = Drive.of({"mass": 1.0, "translation_damping": 1e3, "axial_force": 40.0})
-    assert of["kinematic_constraint"]["mass"].value == pytest.approx(
-        screw.threshold("kinematic_constraint").value, rel=1e-9
-    )
+    critical = screw.threshold("kinematic_constraint").value
+    assert of["kinematic_constraint"]["mass"].value == pytest.approx(critical, rel=1e-9)
     assert of["negative_damping"]["force"].value == pytest.approx(-threshold_force(screw, "onset"), rel=1e-12)
     chart = charts(Draw.of(given))[0]
     for label, name in (("standstill", "stick"), ("lose contact", "detach")):
@@ -47,20 +46,13 @@ def test_the_chapters_drive_has_the_thresholds_of_the_figures():
 
 @pytest.mark.parametrize(
     ("mass", "translational", "force", "occurring"),
-    [
-        (1, 1000, -40, {"negative_damping"}),
-        (1, 1000, -18, set()),
-        (10, 0, -50, set()),
-        (11, 0, -50, {"kinematic_constraint"}),
-        (11, 0, 50, set()),
-    ],
-)
+    [(1, 1000, -40, {"negative_damping"}), (1, 1000, -18, set()), (10, 0, -50, set()),
+     (11, 0, -50, {"kinematic_constraint"}), (11, 0, 50, set())],
+)  # fmt: skip
 def test_the_chapters_drive_has_the_verdicts_of_the_figures(mass, translational, force, occurring):
     """Figs 8.6, 8.9 and 8.14, by both ways of deciding."""
-    given = sheet(
-        load={"mass": f"{mass} kg", "force": f"{force} N"},
-        damping={"rotational": "2e-4 N*m*s/rad", "translational": f"{translational} N*s/m"},
-    )
+    damping = DAMPED | {"translational": f"{translational} N*s/m"}
+    given = sheet(load={"mass": f"{mass} kg", "force": f"{force} N"}, damping=damping)
     draw = Draw.of(given)
     found = draw.worst
     assert {name for name, one in found.items() if one.reserve[0] < 0 and name != "after_perturbation"} == occurring
@@ -83,24 +75,18 @@ def random_sheet(seed: int, support: bool = False, contact: bool = False) -> She
         return math.exp(rng.uniform(math.log(low), math.log(high)))
 
     angle = log(0.5, 45)
-    more = {}
-    if support:
-        more["support"] = {"stiffness": f"{log(1e3, 1e8)} N/m", "damping": f"{log(1e-2, 1e5)} N*s/m"}
-    if contact:
-        more["contact"] = {"stiffness": f"{log(1e3, 1e8)} N/m", "damping": f"{log(1e-2, 1e5)} N*s/m"}
-    return Sheet.of(
-        {
-            "name": "random",
-            "thread": {"lead_angle": f"{angle} deg", "pitch_diameter": f"{log(2, 100)} mm"},
-            "screw": {"inertia": f"{log(1e-9, 10)} kg*m^2", "mass": f"{log(1e-2, 1e3)} kg"},
-            "coupling": {"stiffness": f"{log(1e-3, 1e6)} N*m/rad"},
-            "load": {"mass": f"{log(1e-2, 1e4)} kg", "force": f"{rng.choice((-1, 1)) * log(1e-3, 1e6)} N"},
-            "operation": {"speed": f"{log(1e-2, 1e4)} rad/s"},
-            "friction": {"coefficient": min(log(0.02, 0.9), 0.99 / math.tan(math.radians(angle)))},
-            "damping": {"rotational": f"{log(1e-9, 100)} N*m*s/rad", "translational": f"{log(1e-4, 1e6)} N*s/m"},
-            **more,
-        }
-    )
+    springs = [name for name, there in (("support", support), ("contact", contact)) if there]
+    more = {name: {"stiffness": f"{log(1e3, 1e8)} N/m", "damping": f"{log(1e-2, 1e5)} N*s/m"} for name in springs}
+    return Sheet.of({
+        "name": "random", "thread": {"lead_angle": f"{angle} deg", "pitch_diameter": f"{log(2, 100)} mm"},
+        "screw": {"inertia": f"{log(1e-9, 10)} kg*m^2", "mass": f"{log(1e-2, 1e3)} kg"},
+        "coupling": {"stiffness": f"{log(1e-3, 1e6)} N*m/rad"},
+        "load": {"mass": f"{log(1e-2, 1e4)} kg", "force": f"{rng.choice((-1, 1)) * log(1e-3, 1e6)} N"},
+        "operation": {"speed": f"{log(1e-2, 1e4)} rad/s"},
+        "friction": {"coefficient": min(log(0.02, 0.9), 0.99 / math.tan(math.radians(angle)))},
+        "damping": {"rotational": f"{log(1e-9, 100)} N*m*s/rad", "translational": f"{log(1e-4, 1e6)} N*s/m"},
+        **more,
+    })  # fmt: skip
 
 
 @pytest.mark.parametrize("parts", [(), ("support",), ("threads",), ("support", "threads")])
@@ -145,46 +131,32 @@ def slide(seed: int) -> Sheet:
     """A drive near the machine slide of the examples, which mode coupling can reach."""
     rng = np.random.default_rng(seed)
     size = rng.uniform(0.6, 1.6, 7)
-    return Sheet.of(
-        {
-            "name": "slide",
-            "thread": {"size": "Tr 20x4"},
-            "screw": {"length": f"{0.6 * size[0]} m", "diameter": "18 mm"},
-            "coupling": {"stiffness": f"{140 * size[1]} N*m/rad"},
-            "load": {"mass": f"{120 * size[2]} kg", "force": "-500 N"},
-            "operation": {"speed": "10 mm/s", "direction": "out"},
-            "friction": {"coefficient": 0.15 * size[3]},
-            "damping": {"rotational": f"{1e-3 * size[4]} N*m*s/rad"},
-            "support": {"stiffness": f"{5e7 * size[5]} N/m", "damping": f"{2000 * size[6]} N*s/m"},
-        }
-    )
+    return Sheet.of({
+        "name": "slide", "thread": {"size": "Tr 20x4"}, "screw": {"length": f"{0.6 * size[0]} m", "diameter": "18 mm"},
+        "coupling": {"stiffness": f"{140 * size[1]} N*m/rad"}, "operation": {"speed": "10 mm/s", "direction": "out"},
+        "load": {"mass": f"{120 * size[2]} kg", "force": "-500 N"}, "friction": {"coefficient": 0.15 * size[3]},
+        "damping": {"rotational": f"{1e-3 * size[4]} N*m*s/rad"},
+        "support": {"stiffness": f"{5e7 * size[5]} N/m", "damping": f"{2000 * size[6]} N*s/m"},
+    })  # fmt: skip
 
 
 @pytest.mark.parametrize(
     "more",
-    [
-        {},
-        {"friction": {"coefficient": 0.218, "slope": "-0.05 s/m"}},
-        {"friction": {"coefficient": 0.218, "slope": "0.05 s/m"}},
-        {"support": {"stiffness": "1e5 N/m", "damping": "3 N*s/m"}},
-        {"contact": {"stiffness": "1e6 N/m", "damping": "30 N*s/m"}},
-    ],
-)
+    [{}, *({"friction": {"coefficient": 0.218, "slope": f"{slope} s/m"}} for slope in (-0.05, 0.05)),
+     {"support": {"stiffness": "1e5 N/m", "damping": "3 N*s/m"}},
+     {"contact": {"stiffness": "1e6 N/m", "damping": "30 N*s/m"}}],
+)  # fmt: skip
 def test_no_point_of_the_window_is_worse_than_its_corners(more):
     """Against random points of the window, for random masses and dampings."""
     rng = np.random.default_rng(4)
     for _ in range(8):
         given = sheet(
-            load={
-                "mass": f"{rng.uniform(0.5, 14)} kg",
-                "force": [f"{rng.uniform(-80, -1)} N", f"{rng.uniform(1, 80)} N"],
-                "orientation": f"{rng.uniform(-90, 90)} deg",
-            },
+            load={"mass": f"{rng.uniform(0.5, 14)} kg", "orientation": f"{rng.uniform(-90, 90)} deg",
+                  "force": [f"{rng.uniform(-80, -1)} N", f"{rng.uniform(1, 80)} N"]},
             operation={"speed": [f"{rng.uniform(1, 20)} rad/s", f"{rng.uniform(25, 90)} rad/s"]},
-            damping={"rotational": "2e-4 N*m*s/rad", "translational": f"{rng.uniform(0, 1500)} N*s/m"},
-            screw={"inertia": "3.12e-6 kg*m^2", "mass": "2 kg"},
-            **more,
-        )
+            damping=DAMPED | {"translational": f"{rng.uniform(0, 1500)} N*s/m"},
+            screw={"inertia": "3.12e-6 kg*m^2", "mass": "2 kg"}, **more,
+        )  # fmt: skip
         draw = Draw.of(given)
         found = draw.worst
         speed = rng.uniform(draw.values["speed_low"], draw.values["speed_high"], 3000)
@@ -198,11 +170,9 @@ def test_no_point_of_the_window_is_worse_than_its_corners(more):
 def test_under_one_force_the_speed_at_which_the_drag_balances_it_is_looked_at():
     """Friction that rises with speed damps the less, the smaller |R̃|: enough at 10 and 150 rad/s, not at 98."""
     given = sheet(
-        load={"mass": "1 kg", "force": "-50 N"},
-        operation={"speed": ["10 rad/s", "150 rad/s"], "direction": "out"},
-        friction={"coefficient": 0.218, "slope": "0.3 s/m"},
-        damping={"rotational": "2e-4 N*m*s/rad", "translational": "1000 N*s/m"},
-    )
+        load={"mass": "1 kg", "force": "-50 N"}, operation={"speed": ["10 rad/s", "150 rad/s"], "direction": "out"},
+        friction={"coefficient": 0.218, "slope": "0.3 s/m"}, damping=DAMPED,
+    )  # fmt: skip
     draw = Draw.of(given)
     found = draw.worst["negative_damping"]
     ends = [draw.at(1, end, -50.0).reserves["negative_damping"] for end in (10.0, 150.0)]
@@ -226,20 +196,14 @@ def test_a_perturbation_starts_vibration_in_fig_8_14b_and_not_in_a(force, verdic
     size, _ = corner.tolerated
     drive = corner.rigid
     assert steady_state(rigid_automaton(drive), standing_state(drive)).label == Attractor.SPRAG_SLIP_CYCLE
-    ends = {
-        (sign, part): steady_state(rigid_automaton(drive), [0.0, sign * part * size]).label
-        for sign in (1, -1)
-        for part in (0.999, 1.001)
-    }
-    assert ends[1, 0.999] == ends[-1, 0.999] == Attractor.STEADY_SLIDING
-    assert {ends[1, 1.001], ends[-1, 1.001]} & {Attractor.SPRAG_SLIP_CYCLE}
+    ends = {w: steady_state(rigid_automaton(drive), [0.0, w * size]).label for w in (0.999, -0.999, 1.001, -1.001)}
+    assert ends[0.999] == ends[-0.999] == Attractor.STEADY_SLIDING
+    assert Attractor.SPRAG_SLIP_CYCLE in (ends[1.001], ends[-1.001])
 
 
 def test_derivatives_are_those_of_the_closed_forms():
     """Complex steps against the closed derivatives of the kinematic reserve, and all others against differences."""
-    given = sheet(
-        load={"mass": "6 kg", "force": "-40 N"}, damping={"rotational": "2e-4 N*m*s/rad", "translational": "800 N*s/m"}
-    )
+    given = sheet(load={"mass": "6 kg", "force": "-40 N"}, damping=DAMPED | {"translational": "800 N*s/m"})
     draw = Draw.of(given)
     found = sensitivities(draw)
     c = coefficients(draw.corners[0].rigid)

@@ -135,24 +135,14 @@ def test_every_entry_of_an_example_has_its_source_or_is_an_assumption(path):
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
-        (shown(0.0, "N"), "0 N"),
-        (shown(1234.5, "N"), "1.23 kN"),
-        (shown(-0.0121, "m"), "−12.1 mm"),
-        (shown(0.9999, "m"), "1 m"),
-        (shown(2.3e-6, "kg m2"), "2.3 × 10⁻⁶ kg m²"),
-        (shown(40.0, "rad s-1"), "382 rpm"),
-        (shown(None, "N"), "–"),
-        (percent(0.99951), "99.95 %"),
-        (percent(0.99999), "99.999 %"),  # not all of them
-        (percent(1 - 2.0**-30), "99.9999999 %"),
-        (percent(1.0), "100 %"),
-        (percent(0.123), "12.3 %"),
-        (percent(1e-7), "1 × 10⁻⁵ %"),
-        (change(0.8), "20 % smaller"),
-        (change(1.25), "25 % larger"),
-        (change(6.7), "6.7 times as large"),
+        (shown(0.0, "N"), "0 N"), (shown(1234.5, "N"), "1.23 kN"), (shown(-0.0121, "m"), "−12.1 mm"),
+        (shown(0.9999, "m"), "1 m"), (shown(2.3e-6, "kg m2"), "2.3 × 10⁻⁶ kg m²"), (shown(None, "N"), "–"),
+        (shown(40.0, "rad s-1"), "382 rpm"), (percent(0.99951), "99.95 %"),
+        (percent(0.99999), "99.999 %"), (percent(1 - 2.0**-30), "99.9999999 %"),  # not all of them
+        (percent(1.0), "100 %"), (percent(0.123), "12.3 %"), (percent(1e-7), "1 × 10⁻⁵ %"),
+        (change(0.8), "20 % smaller"), (change(1.25), "25 % larger"), (change(6.7), "6.7 times as large"),
     ],
-)
+)  # fmt: skip
 def test_numbers_read_well(text, expected):
     assert text == expected
 

@@ -21,46 +21,26 @@ from lsvib.stability.conditions import stability
 # Examples of power screws that FOSSEE has solved (Scilab-TBC-Uploads 764, chapter 6), and Shigley's. They take the half
 # angle of a trapezoidal flank in the axial section, we in the normal one: within 2 parts in 10⁴ the same.
 PRINTED = {
-    "double start 2 x 12 on 100 mm, no collar (6.2)": (
-        {
-            "thread": {"pitch_diameter": "94 mm", "lead": "24 mm", "half_angle": "15 deg"},
-            "load": {"force": "300 kN"},
-            "operation": {"speed": "1 rpm", "direction": "both"},
-            "friction": {"coefficient": 0.15},
-        },
-        {"lifting_torque": 3378.2, "lowering_torque": 1030.7, "lifting_efficiency": 0.339},
-    ),
-    "single start 52 x 8, collar 100 / 60 mm (6.6)": (
-        {
-            "thread": {"pitch_diameter": "48 mm", "lead": "8 mm", "half_angle": "15 deg"},
-            "load": {"force": "2 kN"},
-            "operation": {"speed": "30 rpm", "direction": "out"},
-            "friction": {"coefficient": 0.15},
-            "bearing": {"collar": {"coefficient": 0.12, "mean_diameter": "80 mm"}},
-        },
-        {"lifting_power": 61.8, "lifting_efficiency": 0.1294},
-    ),
-    "44 mm mean, lead 8 mm, collar radius 40 mm, 5 m/min": (
-        {
-            "thread": {"pitch_diameter": "44 mm", "lead": "8 mm"},
-            "load": {"force": "500 N"},
-            "operation": {"speed": "5 m/min", "direction": "out"},
-            "friction": {"coefficient": 0.15},
-            "bearing": {"collar": {"coefficient": 0.15, "mean_diameter": "80 mm"}},
-        },
-        {"lifting_power": 347.3, "lifting_efficiency": 0.120},
-    ),
-    "32 x 4 double, 6.4 kN, collar 40 mm (Shigley)": (
-        {
-            "thread": {"pitch_diameter": "30 mm", "lead": "8 mm"},
-            "load": {"force": "6.4 kN"},
-            "operation": {"speed": "1 rpm", "direction": "both"},
-            "friction": {"coefficient": 0.08},
-            "bearing": {"collar": {"coefficient": 0.08, "mean_diameter": "40 mm"}},
-        },
-        {"lifting_torque": 26.18, "lowering_torque": 9.77, "lifting_efficiency": 0.311},
-    ),
-}
+    "double start 2 x 12 on 100 mm, no collar (6.2)": ({
+        "thread": {"pitch_diameter": "94 mm", "lead": "24 mm", "half_angle": "15 deg"}, "load": {"force": "300 kN"},
+        "operation": {"speed": "1 rpm", "direction": "both"}, "friction": {"coefficient": 0.15},
+    }, {"lifting_torque": 3378.2, "lowering_torque": 1030.7, "lifting_efficiency": 0.339}),
+    "single start 52 x 8, collar 100 / 60 mm (6.6)": ({
+        "thread": {"pitch_diameter": "48 mm", "lead": "8 mm", "half_angle": "15 deg"}, "load": {"force": "2 kN"},
+        "operation": {"speed": "30 rpm", "direction": "out"}, "friction": {"coefficient": 0.15},
+        "bearing": {"collar": {"coefficient": 0.12, "mean_diameter": "80 mm"}},
+    }, {"lifting_power": 61.8, "lifting_efficiency": 0.1294}),
+    "44 mm mean, lead 8 mm, collar radius 40 mm, 5 m/min": ({
+        "thread": {"pitch_diameter": "44 mm", "lead": "8 mm"}, "load": {"force": "500 N"},
+        "operation": {"speed": "5 m/min", "direction": "out"}, "friction": {"coefficient": 0.15},
+        "bearing": {"collar": {"coefficient": 0.15, "mean_diameter": "80 mm"}},
+    }, {"lifting_power": 347.3, "lifting_efficiency": 0.120}),
+    "32 x 4 double, 6.4 kN, collar 40 mm (Shigley)": ({
+        "thread": {"pitch_diameter": "30 mm", "lead": "8 mm"}, "load": {"force": "6.4 kN"},
+        "operation": {"speed": "1 rpm", "direction": "both"}, "friction": {"coefficient": 0.08},
+        "bearing": {"collar": {"coefficient": 0.08, "mean_diameter": "40 mm"}},
+    }, {"lifting_torque": 26.18, "lowering_torque": 9.77, "lifting_efficiency": 0.311}),
+}  # fmt: skip
 
 
 @pytest.mark.parametrize(("entries", "printed"), PRINTED.values(), ids=PRINTED)
@@ -73,21 +53,14 @@ def test_torque_power_and_efficiency_of_textbooks(entries, printed):
 
 
 DRIVE = {
-    "name": "with all that rubs",
-    "thread": {"lead": "4 mm", "pitch_diameter": "14 mm", "half_angle": "15 deg"},
-    "screw": {"inertia": "1e-5 kg*m^2"},
-    "coupling": {"stiffness": "20 N*m/rad"},
+    "name": "with all that rubs", "thread": {"lead": "4 mm", "pitch_diameter": "14 mm", "half_angle": "15 deg"},
+    "screw": {"inertia": "1e-5 kg*m^2"}, "coupling": {"stiffness": "20 N*m/rad"},
     "load": {"mass": "20 kg", "force": "100 N", "orientation": "horizontal"},
-    "operation": {"speed": "100 rpm", "direction": "both"},
-    "friction": {"coefficient": 0.15},
-    "damping": {"rotational": "1e-3 N*m*s/rad", "translational": "50 N*s/m"},
-    "bearing": {
-        "torque": "10 mN*m",
-        "viscous": "1e-3 N*m*s/rad",
-        "collar": {"coefficient": 0.1, "mean_diameter": "20 mm"},
-    },
-    "guide": {"friction": "30 N"},
-}
+    "operation": {"speed": "100 rpm", "direction": "both"}, "friction": {"coefficient": 0.15},
+    "damping": {"rotational": "1e-3 N*m*s/rad", "translational": "50 N*s/m"}, "guide": {"friction": "30 N"},
+    "bearing": {"torque": "10 mN*m", "viscous": "1e-3 N*m*s/rad",
+                "collar": {"coefficient": 0.1, "mean_diameter": "20 mm"}},
+}  # fmt: skip
 
 
 def test_the_drive_that_is_followed_has_them_and_reserves_agree_with_its_eigenvalues():
@@ -129,16 +102,12 @@ def test_a_whole_assessment_with_all_that_rubs():
 
 GAINS = {"inertia": "2e-6 kg*m^2", "speed_gain": "1e-4 N*m*s/rad", "integral_gain": "0.0224 N*m/rad"}
 MEASURED = {  # drive 1 of T-RO 2021, whose record shows the integral gain of its controller, on a coupling
-    "name": "drive 1",
-    "thread": {"lead": "2 mm", "pitch_diameter": "11 mm", "half_angle": "15 deg"},
-    "screw": {"inertia": "2.186e-6 kg*m^2"},
-    "coupling": {"stiffness": "20 N*m/rad", "damping": "1e-4 N*m*s/rad"},
-    "motor": GAINS,
-    "load": {"mass": "0.276 kg", "force": "0.9414 N", "orientation": "horizontal"},
-    "operation": {"speed": ["2 rpm", "20 rpm"], "direction": "back"},
-    "friction": {"coefficient": 0.58, "static": 0.88},
+    "name": "drive 1", "thread": {"lead": "2 mm", "pitch_diameter": "11 mm", "half_angle": "15 deg"},
+    "screw": {"inertia": "2.186e-6 kg*m^2"}, "coupling": {"stiffness": "20 N*m/rad", "damping": "1e-4 N*m*s/rad"},
+    "motor": GAINS, "load": {"mass": "0.276 kg", "force": "0.9414 N", "orientation": "horizontal"},
+    "operation": {"speed": ["2 rpm", "20 rpm"], "direction": "back"}, "friction": {"coefficient": 0.58, "static": 0.88},
     "damping": {"rotational": "1e-4 N*m*s/rad"},
-}
+}  # fmt: skip
 
 
 def values_with(**changes) -> dict[str, float]:

@@ -79,9 +79,7 @@ def at_a_point(v, held, speed):
     if held:
         brake = -whole(abs(abs(held) - guide), -1 if abs(held) > guide else 1)
         yield "lowering_efficiency", brake / (abs(held) * per_radian)
-    rest, still, standing = (
-        v[f"{part}.static"] or own for part, own in (("friction", mu), ("bearing", bearing), ("guide", guide))
-    )
+    rest, still, standing = v["friction.static"] or mu, v["bearing.static"] or bearing, v["guide.static"] or guide
     yield "holding_torque", -whole(max(abs(held) - standing, 0.0), -1, rest, still)
     if held + standing > 0 and any(v[path] for path in v if path.endswith(".static")):
         yield "starting_torque", whole(held + standing, 1, rest, still)
@@ -118,7 +116,5 @@ def test_rows_are_those_of_the_balance_of_forces(index):
         worst["lifting_efficiency"] *= -1 if worst.get("without load", 0.0) <= 0 else 0
     for name in worst.keys() - {"without load", *({"holding_torque"} - rows.keys())}:
         assert rows[name] == pytest.approx(worst[name], rel=1e-6, abs=1e-12), name
-    assert {"lifting_efficiency", "starting_torque"} & rows.keys() == {
-        "lifting_efficiency",
-        "starting_torque",
-    } & worst.keys()
+    there = {"lifting_efficiency", "starting_torque"}
+    assert there & rows.keys() == there & worst.keys()

@@ -36,11 +36,8 @@ def sheet(**changes) -> Sheet:
 @pytest.mark.parametrize(("coefficient", "efficiency"), [(0.1, 0.82), (0.15, 0.74), (0.2, 0.67)])
 def test_change_nuts_have_the_efficiency_that_their_maker_prints(coefficient, efficiency):
     """THK, change nut, table 2: lead angle of 45°, printed with two digits."""
-    given = sheet(
-        thread={"lead_angle": "45 deg", "pitch_diameter": "15 mm"},
-        screw={"length": "500 mm"},
-        friction={"coefficient": coefficient},
-    )
+    thread = {"lead_angle": "45 deg", "pitch_diameter": "15 mm"}
+    given = sheet(thread=thread, screw={"length": "500 mm"}, friction={"coefficient": coefficient})
     assert statics(given).rows["lifting_efficiency"].worst == pytest.approx(efficiency, abs=0.005)
 
 
@@ -59,10 +56,10 @@ def test_a_bolt_locks_from_the_friction_of_its_lead_angle_on():
     assert flanks == pytest.approx(0.04331 * math.cos(math.radians(30)), rel=1e-3)
 
 
-@pytest.mark.parametrize(
-    ("name", "coefficient"),
-    [("bronze_dry", 0.40), ("bronze_lubricated", 0.15), ("brass_dry", 0.35), ("brass_lubricated", 0.19)],
-)
+PAIRS = [("bronze_dry", 0.40), ("bronze_lubricated", 0.15), ("brass_dry", 0.35), ("brass_lubricated", 0.19)]
+
+
+@pytest.mark.parametrize(("name", "coefficient"), PAIRS)
 def test_pairs_of_a_makers_table_are_known_by_name(name, coefficient):
     """Roton, screw actions, table of friction."""
     named, written = sheet(friction={"pairing": f"steel_on_{name}"}), sheet(friction={"coefficient": coefficient})
@@ -177,19 +174,17 @@ def test_an_end_at_which_the_threads_jam_is_the_worst_one():
 def test_inches_and_pounds_are_as_good_as_si():
     """The same drive in either units has the same statics."""
     inches = sheet(
-        thread={"lead": "0.1 inch", "pitch_diameter": "0.45 inch"},
+        thread={"lead": "0.1 inch", "pitch_diameter": "0.45 inch"}, operation={"speed": "300 rpm"},
         screw={"length": "20 inch", "ends": "fixed-free", "root_diameter": "0.38 inch"},
         nut={"length": "1 inch", "pv_limit": "4000 psi*ft/min", "pressure_limit": "500 psi"},
         load={"mass": "2 lb", "force": "20 lbf"},
-        operation={"speed": "300 rpm"},
-    )
+    )  # fmt: skip
     si = sheet(
-        thread={"lead": "2.54 mm", "pitch_diameter": "11.43 mm"},
+        thread={"lead": "2.54 mm", "pitch_diameter": "11.43 mm"}, operation={"speed": "31.415927 rad/s"},
         screw={"length": "508 mm", "ends": "fixed-free", "root_diameter": "9.652 mm"},
         nut={"length": "25.4 mm", "pv_limit": "140.10148 kPa*m/s", "pressure_limit": "3.447379 MPa"},
         load={"mass": "0.90718474 kg", "force": "88.964432 N"},
-        operation={"speed": "31.415927 rad/s"},
-    )
+    )  # fmt: skip
     for key, row in statics(inches).rows.items():
         other = statics(si).rows[key]
         assert row.worst == pytest.approx(other.worst, rel=1e-6)
@@ -250,13 +245,10 @@ def test_the_motor_has_the_torque_over_the_gear_ratio():
 def test_a_sizing_question_needs_no_dynamics(tmp_path):
     """A jack: thread, load, speed, friction and nut. Its statics are those of the same sheet with a drive."""
     given = {
-        "name": "a jack",
-        "thread": {"lead": "1/2 inch", "pitch": "2 tpi", "pitch_diameter": "1.75 inch"},
-        "load": {"force": ["3 kN", "5 kN"]},
-        "operation": {"speed": "10 mm/s"},
-        "friction": {"coefficient": [0.1, 0.12]},
-        "nut": {"length": "60 mm", "material": "iglidur_j"},
-    }
+        "name": "a jack", "thread": {"lead": "1/2 inch", "pitch": "2 tpi", "pitch_diameter": "1.75 inch"},
+        "load": {"force": ["3 kN", "5 kN"]}, "operation": {"speed": "10 mm/s"},
+        "friction": {"coefficient": [0.1, 0.12]}, "nut": {"length": "60 mm", "material": "iglidur_j"},
+    }  # fmt: skip
     alone = Sheet.of(given)
     missing = "the inertia or length of the screw, coupling.stiffness and load.mass"
     assert alone.of_statics == f"the sheet does not give {missing}"
