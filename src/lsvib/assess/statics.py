@@ -251,8 +251,7 @@ def _judged(draw: Draw, speed: Floats, held: Floats, load: Floats) -> dict[str, 
         found["lifting_efficiency"] = np.where(held >= 0, share, np.nan), None
     if held.any():
         found["lowering_efficiency"] = np.where(held != 0, driving, np.nan), None
-    # Where nothing pushes it says what any load would need.
-    asked = (still, stuck, relieved_half(stuck, *nut)) if held.any() else (0.0, 1.0)
+    asked = (still, stuck, relieved_half(stuck, *nut)) if held.any() else (0.0, 1.0)  # else what any load would need
     found["holding_friction"] = at_rest, _holds_from(draw, *asked)
     found |= _nut(draw, size + relieved_half(size, *nut), sliding_speed(speed, radius, angle))
     loaded = whole = np.where(load >= 0, against, np.abs(along))
