@@ -1,15 +1,18 @@
 """Random tables and sheets for a fit, sound, unusual and malformed: an answer without NaN, or one sentence."""
 
 import json
+import math
 import re
 import time
 
 import numpy as np
 import pytest
-from references.random_tables import random_measurement
+from references.measured import DIAMETER, LEAD
+from references.random_tables import one_load, random_measurement
 from references.sizes import sizes
 
 from lsvib.errors import LsvibError
+from lsvib.fit.law import FALL, PAIRS, Measured, fitted
 from lsvib.fit.output import fit_file, text_of
 
 MOST = 10.0  # seconds for a sheet
@@ -36,3 +39,32 @@ def answered(folder, seed, index):
 def test_random_tables_are_answered_or_refused(sheets, tmp_path):
     answers = [answered(tmp_path, sheets[0], index) for index in sheets[1]]
     assert 0.125 <= np.mean(answers) <= 0.875
+
+
+@pytest.mark.parametrize("seeds", sizes([range(24)], [], [range(500)]), ids=len)
+def test_one_load_tells_the_sums_alone(seeds):
+    """Both ends hold the truth between them, and the first, where a rise is known to be none, the sum of constants.
+
+    In 95 %, less four deviations of the count. Their laws are above a tenth of the constant, where none has a kink.
+    """
+    inside = {"friction_coefficient": [], "coulomb": [], "sum": []}
+    for seed in seeds:
+        speed, torque, load, law = one_load(seed)
+        measured = Measured(
+            speed, torque, np.full(speed.size, load), DIAMETER / 2, math.atan(LEAD / math.pi / DIAMETER)
+        )
+        found = fitted(measured, {"stribeck_exponent": 1} | ({} if law["stribeck_rise"] else {"stribeck_rise": 0}))
+        assert found.not_separable[:2] == PAIRS, seed
+        for end in found.ends.values():
+            fall = -end.values["friction_slope"] * measured.sliding(speed).max()
+            assert fall <= (FALL + 1e-9) * end.values["friction_coefficient"], seed
+        for name, end in zip(PAIRS[0], found.ends.values(), strict=True):
+            inside[name].append(law[name] <= end.values[name] + 1.96 * end.errors[name])
+        constant, error = (of[PAIRS[0][0]] for of in (found.main.values, found.main.errors))
+        levels = [constant - 1.96 * error, law[PAIRS[0][0]], constant + 1.96 * error]
+        low, held, high = (measured.threads(level, np.sign(speed), load).mean() for level in levels)
+        if not law["stribeck_rise"]:
+            inside["sum"].append(low <= held + law["coulomb"] <= high)
+    print({name: (sum(held), len(held)) for name, held in inside.items()})
+    for name, held in inside.items():
+        assert np.mean(held) >= 0.95 - 4 * math.sqrt(0.95 * 0.05 / len(held)), name

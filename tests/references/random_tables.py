@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import yaml
 
-from references.measured import torque
+from references.measured import DIAMETER, LAW, square, torque
 
 GONE = object()
 # What may stand in a cell instead of a number.
@@ -59,6 +59,26 @@ ENTRIES: dict[str, tuple[Any, ...]] = {
     "name": ("", "x" * 300, 5, None, "a\nb", "<b>&amp;"),
     "colour": ("red",),
 }  # fmt: skip
+
+
+def one_load(seed: int) -> tuple[np.ndarray, np.ndarray, float, dict[str, float]]:
+    """Speeds and noisy torques of a random screw under one load, that load, and the law, of the square thread.
+
+    Every other law has a rise; slopes fall or grow, and the bearing has up to half of the constant of friction.
+    """
+    rng = np.random.default_rng([7, seed])
+    load, most = float(rng.choice([-1, 1]) * 10 ** rng.uniform(0, 3)), rng.choice([6.3, 21.0])
+    both, speed = rng.random() < 0.5, np.linspace(1.0, most, 15) * rng.choice([-1, 1])
+    speed = np.concatenate([-speed, speed]) if both else speed
+    constant, level = rng.uniform(0.05, 0.4), 0.5 * DIAMETER * abs(load)
+    law = LAW | {"friction_coefficient": constant, "stribeck_rise": seed % 2 * rng.uniform(0.2, 0.5) * constant}
+    law |= {"stribeck_speed": 0.5 * DIAMETER * most * rng.uniform(0.1, 0.4), "offset": 0.05 * constant * level * both}
+    law |= {"friction_slope": rng.uniform(-0.6, 0.6) * constant / (0.5 * DIAMETER * most)}
+    law |= {"coulomb": rng.uniform(0, 1) * constant * level, "viscous": rng.uniform(0, 0.5) * constant * level / most}
+    exact = torque(speed, load, law)
+    noise = 10 ** rng.uniform(-2.5, -1.5) * float(np.median(np.abs(exact)))
+    of_flanks = ("friction_coefficient", "stribeck_rise", "friction_slope")
+    return speed, exact + noise * rng.standard_normal(speed.size), load, law | {k: law[k] * square() for k in of_flanks}
 
 
 def random_measurement(folder: Path, seed: int, index: int) -> Path:

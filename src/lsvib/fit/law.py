@@ -11,7 +11,9 @@ bearings and slide, T₀ the error of the torque's zero, which has the same sign
 *What the data tell apart* is read off the Jacobian of the torques by all unknown numbers, each in its natural size,
 over the scatter of the residuals. Its singular values are the inverse standard errors of combinations of the numbers.
 With one load T_b acts as the constant of friction, and b as its slope, so that only the sums are determined; then two
-ends are fitted, all of a sum in the threads, and as much as can be in the bearing.
+ends are fitted, all of a sum in the threads, and as much as can be in the bearing. A law that is cut off at zero has a
+kink, which no drag of a bearing has, and the two would seem to be told apart. So none is cut off: up to the highest
+measured speed a slope takes at most nine tenths of the constant, far more than measured laws fall by.
 
 *At rest* both hold up to s T = s T₀ + T_s − s r_m W ξ_±(μ_s), in which μ_s and T_s do the same again. One load in both
 directions leaves their sum; two loads tell them, or else the excess over sliding is in the threads at one end and in
@@ -19,7 +21,7 @@ the bearing at the other.
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from types import SimpleNamespace
 from typing import Any
@@ -52,6 +54,7 @@ ROUNDS = 3  # of the robust fit, each with the scatter that the last one left
 SURE = 10.0  # of Schwarz's criterion: a law that is worse by more is ruled out by the points (odds of 150 to 1)
 AT_ZERO = 1e-9  # in natural sizes: a number that the search left so close to its bound is zero
 SLOWEST, WEAKEST = 1e-9, 1e-12  # rad/s, N m: below it no screw is measured
+FALL = 0.9  # of the constant of friction, by which a slope may lower it at most up to the highest measured speed
 SAME_SPEED = 0.05  # relative: files of one commanded speed are not further apart
 
 
@@ -197,10 +200,10 @@ class Fit:
 def steady_torque(values: Mapping[str, Any], measured: Measured, speed: Any, load: Any) -> Any:
     """Return the torque [N m] at speeds ω ≠ 0 [rad/s] under loads W [N], as above.
 
-    Friction is not below zero. Arguments broadcast; ``values`` by names of :data:`PARAMETERS`.
+    Arguments broadcast; ``values`` by names of :data:`PARAMETERS`. Over the measured speeds no law is below zero.
     """
     law = SimpleNamespace(**{"stribeck_exponent": 1, **values})
-    mu = np.maximum(friction.unbounded_coefficient(law, measured.sliding(speed)), 0.0)
+    mu = friction.unbounded_coefficient(law, measured.sliding(speed))
     sense = np.sign(speed)
     threads = sense * measured.threads(mu, sense, load)
     return values["offset"] + values["coulomb"] * sense + values["viscous"] * speed + threads
@@ -214,6 +217,7 @@ def fitted(measured: Measured, given: Mapping[str, float] | None = None) -> Fit:
     fitted where both directions were measured, else it is taken to be right. Raises ``InputError``.
     """
     known = dict(given or {})
+    alike = np.ptp(measured.load) == 0 and "offset" not in known
     if measured.directions == 1:
         known.setdefault("offset", 0.0)
     if known.get("stribeck_rise") == 0:
@@ -224,25 +228,25 @@ def fitted(measured: Measured, given: Mapping[str, float] | None = None) -> Fit:
     laws = [{**known, "stribeck_exponent": exponent} for exponent in exponents]
     if not known.keys() & set(OF_RISE):
         laws.append({**known, **flat, "stribeck_exponent": exponents[0]})
-    solved = [(law, _solved(measured, law)) for law in laws]
+    solved = [(law, _first_end(measured, law, alike)) for law in laws]
     # A rise whose error is as large as it is known by nothing: it fades below the slowest speed.
     known_rise = [
-        pair for pair in solved if pair[1].errors.get("stribeck_rise", 0.0) <= pair[1].values["stribeck_rise"]
+        one for one in solved if one[1][0].errors.get("stribeck_rise", 0.0) <= one[1][0].values["stribeck_rise"]
     ]
     solved = known_rise or solved
-    fixed, whole = min(solved, key=lambda pair: _schwarz(pair[1]))
-    rising = [one for law, one in solved if one is not whole and law.get("stribeck_rise") != 0]
-    near = [one for one in rising if _schwarz(one) - _schwarz(whole) < SURE and fixed.get("stribeck_rise") != 0]
-    singular, lost = _undetermined(measured, whole)
-    # Without a constant in the threads, a rise that hardly fades would be one.
-    fading = {**fixed, "stribeck_speed": whole.values["stribeck_speed"]}
-    ends = {} if not lost else {
-        "threads": _solved(measured, {**fixed, **{bearing: 0.0 for _, bearing in lost}}),
-        "bearing": _solved(measured, {**fading, **{threads: 0.0 for threads, _ in lost}}),
-    }  # fmt: skip
-    found = {name: _with_static(measured, ends.get(name, whole), name) for name in ("threads", "bearing")}
+    fixed, (first, singular, lost) = min(solved, key=lambda one: _schwarz(one[1][0]))
+    rising = [one for law, (one, *_) in solved if one is not first and law.get("stribeck_rise") != 0]
+    near = [one for one in rising if _schwarz(one) - _schwarz(first) < SURE and fixed.get("stribeck_rise") != 0]
+    # Without a constant in the threads, a rise that hardly fades would be one; and what a slope falls by is theirs.
+    least = {"friction_slope": 0.0, "friction_coefficient": 0.0}
+    if PAIRS[1] not in lost:
+        top = float(measured.sliding(measured.speeds[-1]))
+        least["friction_coefficient"] = max(0.0, -first.values["friction_slope"] * top / FALL)
+    fading = {**fixed, "stribeck_speed": first.values["stribeck_speed"], **{name: least[name] for name, _ in lost}}
+    ends = {"bearing": _solved(measured, fading)} if lost else {}
+    found = {name: _with_static(measured, ends.get(name, first), name) for name in ("threads", "bearing")}
     static = any(end.static for end in found.values())
-    apart = _apart(measured, whole) if static and not lost else {}
+    apart = _apart(measured, first) if static and not lost else {}
     if static and (lost or apart is None):
         lost = (*lost, STATIC)
     if not lost:
@@ -266,6 +270,12 @@ def _enough(measured: Measured, known: Mapping[str, float]) -> None:
         raise InputError(
             f"half of the measured torques are not above {typical:.3g} N m, and at least {WEAKEST:g} N m is needed; "
             "check column, unit and factor of measurements.torque."
+        )
+    top, most = float(measured.sliding(measured.speeds[-1])), 0.5 / math.tan(measured.lead_angle)
+    if known.get("friction_slope", 0.0) * top < -FALL * known.get("friction_coefficient", most):
+        raise InputError(
+            "friction.slope lets friction fall below a tenth of its coefficient up to the highest measured sliding "
+            f"speed; the allowed range is friction.slope >= -{FALL:g} friction.coefficient / ({top:.3g} m/s)."
         )
     unknown = [name for name in PARAMETERS if name not in known]
     if not unknown:
@@ -291,39 +301,62 @@ def _solved(measured: Measured, fixed: Mapping[str, float]) -> Solution:
 
     sizes, speeds = measured.sizes, measured.sliding(measured.speeds)
     free = tuple(name for name in PARAMETERS if name not in fixed)
-    scale = np.array([sizes[name] for name in free])
-    low = np.array([-np.inf if name in ("friction_slope", "offset") else 0.0 for name in free])
-    high = np.full(len(free), np.inf)
-    for k, name in enumerate(free):
-        if name in ("friction_coefficient", "stribeck_rise"):
-            high[k] = 0.5 / math.tan(measured.lead_angle)  # the sum of both is below cot λ, where lifting jams
-        if name == "stribeck_speed":
-            low[k], high[k] = measured.fading
-    size = sizes["coulomb"]
+    scale, (low, high) = np.array([sizes[name] for name in free]), _bounds(measured, fixed, free)
+    size, above = sizes["coulomb"], np.eye(len(free))
+    if {"friction_coefficient", "friction_slope"} <= set(free):
+        # In place of the slope the search has what it is above the steepest fall, which the constant decides.
+        above[free.index("friction_slope"), free.index("friction_coefficient")] = -FALL
+    numbers = scale[:, None] * above
 
     def misfit(x: Array) -> Array:
         """Residuals in units of ``size``."""
-        values = {**fixed, **dict(zip(free, x * scale, strict=True))}
+        values = {**fixed, **dict(zip(free, numbers @ x, strict=True))}
         return np.asarray((measured.torque - steady_torque(values, measured, measured.speed, measured.load)) / size)
 
     def run(start: Array, **loss: Any) -> Any:
-        return least_squares(misfit, start, bounds=(low / scale, high / scale), **loss)
+        return least_squares(misfit, start, bounds=(low, high), **loss)
 
     half = {"friction_coefficient": 0.5, "stribeck_rise": 0.1, "coulomb": 0.5}
     starts = []
     for at in np.geomspace(speeds[0], speeds[-1], 7)[1:-1:2] if "stribeck_speed" in free else (0.0,):
         guess = {**half, "stribeck_speed": at / sizes["stribeck_speed"]}
-        starts.append(np.clip([guess.get(name, 0.0) for name in free], low / scale, high / scale))
+        starts.append(np.clip(np.linalg.solve(above, [guess.get(name, 0.0) for name in free]), low, high))
     found = min((run(start) for start in starts), key=lambda found: found.cost)
     for _ in range(ROUNDS):
         spread = max(1.4826 * float(np.median(np.abs(found.fun))), 1e-12)
         found = run(found.x, loss="soft_l1", f_scale=LOSS * spread)
     inverse = np.linalg.pinv(found.jac)  # weighed, so that the Jacobian's square is the curvature of the loss
-    covariance = (inverse @ inverse.T) * np.outer(scale, scale)
-    settled = np.where(np.abs(found.x) < AT_ZERO, 0.0, found.x) * scale
+    covariance = numbers @ (inverse @ inverse.T) @ numbers.T
+    settled = numbers @ np.where(np.abs(found.x) < AT_ZERO, 0.0, found.x)
     values = {**fixed, **dict(zip(free, settled.tolist(), strict=True))}
     alone = Solution(values, free, covariance, found.fun * size)
     return replace(alone, covariance=covariance * (alone.scatter / size) ** 2)
+
+
+def _bounds(measured: Measured, fixed: Mapping[str, float], free: Sequence[str]) -> tuple[Array, Array]:
+    """Return the least and the largest free numbers in natural sizes; of a slope beside a constant, above its least."""
+    steepest = -FALL / float(measured.sliding(measured.speeds[-1]))
+    low, high = dict.fromkeys(free, 0.0), dict.fromkeys(free, math.inf)
+    low["offset"] = -math.inf
+    low["stribeck_speed"], high["stribeck_speed"] = measured.fading
+    # The sum of both is below cot λ, where lifting jams.
+    high["friction_coefficient"] = high["stribeck_rise"] = 0.5 / math.tan(measured.lead_angle)
+    if "friction_slope" in fixed:
+        low["friction_coefficient"] = max(0.0, fixed["friction_slope"] / steepest)
+    if "friction_coefficient" in fixed:
+        low["friction_slope"] = steepest * fixed["friction_coefficient"]
+    sizes = measured.sizes
+    least, largest = (np.array([ends[name] / sizes[name] for name in free]) for ends in (low, high))
+    return least, largest
+
+
+def _first_end(
+    measured: Measured, law: Mapping[str, float], alike: bool
+) -> tuple[Solution, Array, tuple[tuple[str, str], ...]]:
+    """Fit a law, all that the bearing may share being in the threads; with what :func:`_undetermined` returns."""
+    whole = _solved(measured, law)
+    singular, lost = _undetermined(measured, whole, alike)
+    return _solved(measured, {**law, **{bearing: 0.0 for _, bearing in lost}}) if lost else whole, singular, lost
 
 
 def _schwarz(solution: Solution) -> float:
@@ -333,8 +366,12 @@ def _schwarz(solution: Solution) -> float:
     return float(n * np.log(mean_square + np.finfo(float).tiny) + numbers * np.log(n))
 
 
-def _undetermined(measured: Measured, at: Solution) -> tuple[Array, tuple[tuple[str, str], ...]]:
-    """Return the singular values of the scaled Jacobian, and the pairs of which only the sum is determined."""
+def _undetermined(measured: Measured, at: Solution, alike: bool) -> tuple[Array, tuple[tuple[str, str], ...]]:
+    """Return the singular values of the scaled Jacobian, and the pairs of which only the sum is determined.
+
+    ``alike``: whether one load, and a zero of the torque that nobody gave, leave nothing else of both pairs: what
+    then tells them is of second order in friction, so that a fit far from the truth takes it for more than it is.
+    """
     free, sizes = at.free, measured.sizes
     columns = []
     for name in free:
@@ -344,13 +381,13 @@ def _undetermined(measured: Measured, at: Solution) -> tuple[Array, tuple[tuple[
         columns.append((up - down) / 2e-4)
     noise = max(at.scatter, 1e-9 * sizes["coulomb"])
     _, singular, rows = np.linalg.svd(np.array(columns).T / noise, full_matrices=False)
-    lost = []
+    lost: list[tuple[str, str]] = []
     for pair in PAIRS:
         if set(pair) <= set(free):
             split = np.zeros(len(free))
             split[[free.index(name) for name in pair]] = 1, -1
             error = np.linalg.norm((rows @ split / 2) / np.maximum(singular, 1e-150))  # whose square is a double
-            if error > DETERMINED:
+            if alike or error > DETERMINED or lost:  # how steep a slope may fall rests on the constant
                 lost.append(pair)
     return singular, tuple(lost)
 
