@@ -229,10 +229,13 @@ def test_what_was_left_out_is_said(tmp_path):
     path = write_tables(tmp_path, noise=1e-3)
     folder = tmp_path / "load300"
     (folder / "03.csv").write_text("rpm,mN m\n" + "0,20\n" * 30)
-    (folder / "04.csv").write_text((folder / "04.csv").read_text() + "broken,5\n")
+    (folder / "04.csv").write_text((folder / "04.csv").read_text().replace("-", "−") + "broken,5\n1,2,3\n")
     found = fit_sheet(path)
     assert len(found.points) == 4 * SPEEDS.size - 1
-    assert found.left_out == ["03.csv: rows of a screw at rest (30)", "04.csv: rows that are not numbers (1)"]
+    assert found.left_out == [
+        "03.csv: rows of a screw at rest (30)",
+        "04.csv: rows that are not numbers, or of another width (2)",
+    ]
 
 
 def test_a_breakaway_gives_the_static_coefficient(tmp_path):

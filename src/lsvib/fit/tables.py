@@ -85,7 +85,8 @@ def read_table(
             f"{path} has {width} column{'s' * (width > 1)} where they are parted by {shown(separator)}, and no column "
             f"{max(columns)}."
         )
-    own = [row for row in rows if len(row) == width]
+    places = [k for k, row in enumerate(rows) if len(row) == width]
+    own = [rows[k] for k in places]
     cells = [[row[column - 1] for column in columns] for row in own]
     found = np.array([[_number(cell.replace(decimal, ".")) for cell in pair] for pair in cells])
     marked = [pair for pair in cells if decimal == "," and "." in "".join(pair)]
@@ -101,13 +102,13 @@ def read_table(
     kept = np.isfinite(found).all(axis=1)
     if not kept.any():
         raise InputError(f"{path} has no row with numbers in columns {' and '.join(map(str, columns))}.")
-    first = int(np.argmax(kept))  # what stands above is the header
+    begin = places[int(np.argmax(kept))]  # what stands above is the header
     with np.errstate(over="ignore"):
         speed, torque, *time = (found[kept] * factors).T
     for values, most, unit in ((speed, FASTEST, "rad/s"), (torque, STRONGEST, "N m")):
         if (size := float(np.abs(values).max())) > most:
             raise InputError(f"{path} holds {size:.4g} {unit}; the allowed range is up to {most:.4g} {unit}.")
-    return Recording(path.name, speed, torque, int(np.count_nonzero(~kept[first:])), *time)
+    return Recording(path.name, speed, torque, len(rows) - begin - int(np.count_nonzero(kept)), *time)
 
 
 def _text(path: Path) -> str:
@@ -125,7 +126,7 @@ def _text(path: Path) -> str:
 
 def _number(text: str) -> float:
     try:
-        return number(text)
+        return number(text.replace("−", "-"))
     except NotNumber:
         return np.nan
 
