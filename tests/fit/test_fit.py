@@ -252,7 +252,7 @@ def test_a_breakaway_gives_the_static_coefficient(tmp_path):
     found = fit_sheet(path)
     static, error = found.fit.main.static["static_friction_coefficient"]
     assert static == pytest.approx(0.25 * square(), rel=0.02)
-    assert found.flank_law(found.fit.main)["static"] == pytest.approx(0.25, rel=0.02)
+    assert found.flank_law(found.fit.main)["static"]["mean"] == pytest.approx(0.25, rel=0.02)
     assert 0 < error < 0.02
     assert any("upper bound" in text for text in sentences(found))
     # A torque that no friction explains, such as a glitch of the sensor, is left out.

@@ -16,7 +16,7 @@ from lsvib.files import Outputs, write_json, write_text
 from lsvib.fit.dataset import fit_variables
 from lsvib.fit.law import LARGEST_STATIC, PARAMETERS, STATIC, Solution, falls_up_to, halves, load_of_directions
 from lsvib.fit.records import Record
-from lsvib.fit.sheet import FittedSheet, fit_sheet
+from lsvib.fit.sheet import FittedSheet, above, fit_sheet, spread
 from lsvib.fit.stick_slip import StickSlip
 
 _FILES = {"fit.nc": "netCDF", "fit.json": "JSON", "fit.png": "PNG", "fit.pdf": "PDF", "friction.yaml": ""}
@@ -203,7 +203,27 @@ def blocks(result: dict[str, Any]) -> str:
     if jerks and jerks["damping"]:
         parts |= {"coupling_stiffness": jerks["stiffness"], "support_damping": jerks["damping"] + brakes}
     drive = {key: float(f"{value:.6g}") for key, value in parts.items()}
-    return _rendered("output_blocks.j2", **result, drive=drive)
+    return _rendered("output_blocks.j2", **result, drive=drive, entries=_entries(result))
+
+
+def _entries(result: dict[str, Any]) -> dict[str, Any]:
+    """Return the blocks of a data sheet, each number with what is known of its error."""
+    errors, jerks, inertia = result["standard_errors"], result["stick_slip"], result["inertia"]
+    bearing = {name: (value, errors.get(name) or 0.0) for name, value in result["bearing"].items() if value}
+    share = above(bearing, "coulomb", "static")
+    of_bearing = {
+        name: spread(bearing.get(key, (0.0, 0.0)), share(key), unit=unit)
+        for name, key, unit in (
+            ("torque", "coulomb", "N*m"), ("static", "static", "N*m"), ("viscous", "viscous", "N*m*s/rad")
+        ) if key in bearing or (name == "torque" and "static" in bearing)
+    }  # fmt: skip
+    found = {"friction": result["sheet"]} | ({"bearing": of_bearing} if of_bearing else {})
+    if jerks and jerks["damping"]:
+        found["coupling"] = {"stiffness": spread((jerks["stiffness"], jerks["standard_error"]), unit="N*m/rad")}
+        found["damping"] = {"rotational": [f"{value:.6g} N*m*s/rad" for value in jerks["bounds"]]}
+    if inertia:
+        found["screw"] = {"inertia": spread((inertia["value"], inertia["standard_error"]), unit="kg*m^2")}
+    return found
 
 
 def text_of(result: dict[str, Any]) -> str:

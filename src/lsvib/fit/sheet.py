@@ -18,7 +18,7 @@ from lsvib.assess.fields import NotQuantity, Spread
 from lsvib.assess.quantities import GRAVITY, flank_coefficient, square_coefficient, thread_geometry
 from lsvib.assess.sheet import Part, Thread
 from lsvib.errors import InputError
-from lsvib.fit.law import Array, Fit, Measured, Solution, fitted, steady_torque
+from lsvib.fit.law import STATIC, Array, Fit, Measured, Solution, fitted, steady_torque
 from lsvib.fit.records import Record, look
 from lsvib.fit.starts import Number
 from lsvib.fit.stick_slip import StickSlip, breaking, combined, explained
@@ -30,6 +30,7 @@ from lsvib.numbers import NotNumber, number, shown, whole
 MOST_FILES = 1000  # of one sheet, and of points some million
 MOST_STARS = 4  # of a pattern of files: more take for ever to look for
 LEAST_LOAD = 1e-6  # N
+DRAWN = 4.1  # standard deviations, within which a data sheet draws, with some room
 OF_FLANKS = {  # entries of `friction`, coefficients of a flank, and the parameters that they are of the square thread
     "coefficient": "friction_coefficient",
     "stribeck_rise": "stribeck_rise",
@@ -259,17 +260,49 @@ class FittedSheet:
     def flank_law(self, solution: Solution) -> dict[str, Any]:
         """Return a friction law as the block ``friction`` of a data sheet, with coefficients of the flanks."""
         law, angle = solution.drive(), self.fit.measured.lead_angle
+        to_flank = float(flank_coefficient(1.0, angle, self.half_angle))
+        known = {name: (value, solution.errors.get(name, 0.0)) for name, value in law.items()} | solution.static
+        share = above(known, "friction_coefficient", "stribeck_rise", STATIC[0])
         found: dict[str, Any] = {
-            entry: float(f"{flank_coefficient(law[name], angle, self.half_angle):.6g}")
+            entry: spread(known[name], share(name), to_flank, "s/m" if entry == "slope" else "")
             for entry, name in OF_FLANKS.items()
             if name in law
         }
-        if "slope" in found:
-            found["slope"] = f"{found['slope']:g} s/m"
         if "stribeck_rise" in found:
-            found["stribeck_speed"] = f"{law['stribeck_speed']:.6g} m/s"
+            found["stribeck_speed"] = spread(known["stribeck_speed"], unit="m/s")
             found["stribeck_exponent"] = int(law["stribeck_exponent"])
         return found
+
+
+def above(known: Mapping[str, Number], *names: str) -> Callable[[str], float]:
+    """Return the shares of standard errors with which the last is above the sum of the others in each drive drawn.
+
+    A data sheet wants static friction so. The errors by themselves are larger than those of the sum, in which errors of
+    the parts of a law cancel. Either side may use half of what is between.
+    """
+    *sliding, (static, error) = (known.get(name, (0.0, 0.0)) for name in names)
+    room = 0.5 * (static - sum(value for value, _ in sliding)) / DRAWN if static else math.inf
+    both = {name: sum(each for _, each in sliding) for name in names[:-1]} | {names[-1]: error}
+    return lambda name: min(1.0, room / both[name]) if both.get(name) else 1.0
+
+
+def spread(known: Number, share: float = 1.0, scale: float = 1.0, unit: str = "") -> Any:
+    """Return a number with its standard error, times ``share``, as an entry of a data sheet.
+
+    A range of that standard deviation, but above zero, where a normal distribution would reach beyond.
+    """
+    value, error = known[0] * scale, known[1] * scale * share
+    wide = min(math.sqrt(3) * error, 0.99 * value)
+
+    def entry(number: float, figures: str = ".6g") -> Any:
+        """A number with its unit."""
+        return f"{number:{figures}} {unit}" if unit else float(f"{number:{figures}}")
+
+    if not error > 0 or (unit != "s/m" and not value):
+        return entry(value)
+    if unit != "s/m" and DRAWN * error > value:
+        return [entry(value - wide), entry(value + wide)]
+    return {"mean": entry(value), "std": entry(error, ".2g")}
 
 
 def fit_sheet(path: Path) -> FittedSheet:

@@ -53,7 +53,7 @@ class StickSlip:
     @property
     def middle(self) -> float | None:
         """The damping in the middle of both ends [N m s/rad]; None without a lower one."""
-        return math.sqrt(self.damping[0] * self.damping[1]) if self.damping and self.damping[0] else None
+        return 0.5 * (self.damping[0] + self.damping[1]) if self.damping and self.damping[0] else None
 
 
 def combined(found: Sequence[Number]) -> Number:
