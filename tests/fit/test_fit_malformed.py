@@ -115,34 +115,20 @@ def test_a_point_is_no_decimal_sign_where_that_is_a_comma(sheet, run):
     assert "has a point in '1.234', where the decimal sign is a comma" in refused(run, "fit", str(sheet))
 
 
-def test_nothing_to_fit_is_refused(tmp_path, run):
-    known = {
-        "friction": {"coefficient": 0.15, "stribeck_rise": 0, "slope": "0 s/m"},
-        "bearing": {"coulomb": "24 mN*m", "viscous": "0 N*m*s/rad"},
-        "offset": "0 N*m",
-    }
+def test_what_speeds_and_known_numbers_leave_to_fit(tmp_path, run):
+    """Two points for one coefficient and the zero of the torque leave no error; three do."""
+    known = {"friction": {"stribeck_rise": 0, "slope": "0 s/m"}}
+    known |= {"bearing": {"coulomb": "24 mN*m", "viscous": "0 N*m*s/rad"}}
+    path = write_tables(tmp_path / "known", [300.0], [-10.0, 10.0, 10.1], **known)
+    code, out, _ = run("fit", str(path), "--json")
+    assert (code, '"friction_coefficient": 0.1' in out) == (0, True)
+    known |= {"friction": {"coefficient": 0.15, **known["friction"]}, "offset": "0 N*m"}
     assert "nothing is left to fit" in refused(run, "fit", str(write_tables(tmp_path / "all", **known)))
-
-
-def test_one_speed_is_refused_with_what_would_help(tmp_path, run):
-    path = write_tables(tmp_path / "one", [300.0], [-10.0, 10.0])
-    error = refused(run, "fit", str(path))
+    error = refused(run, "fit", str(write_tables(tmp_path / "one", [300.0], [-10.0, 10.0])))
     assert "1 speed for the 4 unknown numbers" in error
     assert "measure at more speeds, or give some of" in error
     few = write_tables(tmp_path / "few", [300.0], SPEEDS[:4])
     assert "4 points for 6 unknown numbers" in refused(run, "fit", str(few))
-
-
-def test_one_speed_gives_a_coefficient_where_the_rest_is_known(tmp_path, run):
-    """Two points for one coefficient and the zero of the torque leave no error; three do."""
-    known = {
-        "friction": {"stribeck_rise": 0, "slope": "0 s/m"},
-        "bearing": {"coulomb": "24 mN*m", "viscous": "0 N*m*s/rad"},
-    }
-    path = write_tables(tmp_path / "one", [300.0], [-10.0, 10.0, 10.1], **known)
-    code, out, _ = run("fit", str(path), "--json")
-    assert code == 0
-    assert '"friction_coefficient": 0.1' in out
 
 
 def test_binary_and_what_is_no_file_are_refused(sheet, run):

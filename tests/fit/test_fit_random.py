@@ -47,24 +47,20 @@ def test_one_load_tells_the_sums_alone(seeds):
 
     In 95 %, less four deviations of the count. Their laws are above a tenth of the constant, where none has a kink.
     """
-    inside = {"friction_coefficient": [], "coulomb": [], "sum": []}
+    inside: dict[str, list[bool]] = {"sum": []}
     for seed in seeds:
         speed, torque, load, law = one_load(seed)
-        measured = Measured(
-            speed, torque, np.full(speed.size, load), DIAMETER / 2, math.atan(LEAD / math.pi / DIAMETER)
-        )
+        thread = DIAMETER / 2, math.atan(LEAD / math.pi / DIAMETER)
+        measured = Measured(speed, torque, np.full(speed.size, load), *thread)
         found = fitted(measured, {"stribeck_exponent": 1} | ({} if law["stribeck_rise"] else {"stribeck_rise": 0}))
         assert found.not_separable[:2] == PAIRS, seed
-        for end in found.ends.values():
+        for name, end in zip(PAIRS[0], found.ends.values(), strict=True):
             fall = -end.values["friction_slope"] * measured.sliding(speed).max()
             assert fall <= (FALL + 1e-9) * end.values["friction_coefficient"], seed
-        for name, end in zip(PAIRS[0], found.ends.values(), strict=True):
-            inside[name].append(law[name] <= end.values[name] + 1.96 * end.errors[name])
-        constant, error = (of[PAIRS[0][0]] for of in (found.main.values, found.main.errors))
-        levels = [constant - 1.96 * error, law[PAIRS[0][0]], constant + 1.96 * error]
+            inside.setdefault(name, []).append(law[name] <= end.values[name] + 1.96 * end.errors[name])
+        constant, error = (of["friction_coefficient"] for of in (found.main.values, found.main.errors))
+        levels = constant - 1.96 * error, law["friction_coefficient"], constant + 1.96 * error
         low, held, high = (measured.threads(level, np.sign(speed), load).mean() for level in levels)
-        if not law["stribeck_rise"]:
-            inside["sum"].append(low <= held + law["coulomb"] <= high)
-    print({name: (sum(held), len(held)) for name, held in inside.items()})
+        inside["sum"] += [] if law["stribeck_rise"] else [low <= held + law["coulomb"] <= high]
     for name, held in inside.items():
         assert np.mean(held) >= 0.95 - 4 * math.sqrt(0.95 * 0.05 / len(held)), name

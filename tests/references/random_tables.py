@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import yaml
 
-from references.measured import DIAMETER, LAW, square, torque
+from references.measured import DIAMETER, square, torque
 
 GONE = object()
 # What may stand in a cell instead of a number.
@@ -19,66 +19,50 @@ CELLS = (
 ENTRIES: dict[str, tuple[Any, ...]] = {
     "thread": (GONE, None, 5, [], {}, {"size": "Tr 18x4"}, {"lead_angle": "4 deg", "pitch_diameter": "18 mm"}),
     "thread.lead": (GONE, "0 mm", "1e-6 m", "4", "4 kg", ["4 mm", "5 mm"], "1e-300 mm", "90 m", "4_0 mm"),
-    "thread.pitch_diameter": ("1e-6 m", "90 m", "18 furlongs", None),
-    "thread.half_angle": ("89 deg", "-1 deg", "15"),
-    "load": (
-        GONE, None, 5, {"mass": "30 kg"}, {"mass": "30 kg", "orientation": "vertical"},
-        {"mass": "30 kg", "orientation": "45 deg", "force": "1 N"},
-    ),
+    "thread.pitch_diameter": ("1e-6 m", "90 m", "18 furlongs", None), "thread.half_angle": ("89 deg", "-1 deg", "15"),
+    "load": (GONE, None, 5, {"mass": "30 kg"}, {"mass": "30 kg", "orientation": "vertical"}, {"mass": "30 kg",
+        "orientation": "45 deg", "force": "1 N"}),
     "load.force": ("0 N", "1e-300 N", "-300 N", "1e10 N", "300", "nan N", "3_0 N", {"mean": "300 N", "std": "1 N"}),
-    "load.colour": ("red",),
-    "measurements": (GONE, None, [], [5], 5, "x", [{}], {}),
-    "measurements.0": ("x",),
+    "load.colour": ("red",), "measurements": (GONE, None, [], [5], 5, "x", [{}], {}), "measurements.0": ("x",),
     "measurements.colour": (1,),
-    "measurements.files": (
-        "*" * 100, "*.csv" * 40, "**/*.csv", "../*/*.csv", "/proc/kmsg", ".", "", "[", "*.csv/x", "a\0b", 5, None,
-        "data/00.csv", "data/0?.csv", "data/[!x]*.csv", "data/{a}.csv", "data",
-    ),
+    "measurements.files": ("*" * 100, "*.csv" * 40, "**/*.csv", "../*/*.csv", "/proc/kmsg", ".", "", "[", "*.csv/x",
+        "a\0b", 5, None, "data/00.csv", "data/0?.csv", "data/[!x]*.csv", "data/{a}.csv", "data"),
     "measurements.separator": (";", "\t", " ", "", ",,", "1", '"', "\n", None, 5),
-    "measurements.decimal": (",", ";", "", None),
-    "measurements.point": ("file", "row", "table", None),
+    "measurements.decimal": (",", ";", "", None), "measurements.point": ("file", "row", "table", None),
     "measurements.load": ({"force": "0 N"}, {}, {"force": "50 N"}, 7),
     "measurements.speed": (GONE, 5, {}, {"column": 1}, {"unit": "rpm"}),
     "measurements.speed.column": (0, -1, 2, 3, 1000, "1_0", 1.0, 1.5, True, None, "two", 10**400),
     "measurements.speed.unit": ("", "N", "mm/s", "rad/s", "m/s", "1", "rpm*rpm", "rpm^99", 5, None),
     "measurements.speed.factor": (0, -1, 1e-300, 1e300, 1e-12, "1_0", "nan", True, None, "1 %"),
     "measurements.torque.factor": (0, -1, 1e-300, 1e300, 1e-12, 1e-320, "1_0", False, []),
-    "measurements.torque.column": (1, 2, 3, 200, 201),
-    "measurements.torque.unit": ("N*m", "lbf*in", "Nm", "mm", ""),
-    "friction": (
-        None, 5, {"coefficient": 0.15}, {"stribeck_rise": 0}, {"stribeck_exponent": 1}, {"stribeck_exponent": 3},
-        {"slope": "0 s/m", "stribeck_rise": 0}, {"coefficient": 2.9}, {"stribeck_speed": "1e-9 m/s"},
-        {"stribeck_speed": "1e4 m/s"}, {"slope": "-1000 s/m"},
-        {"coefficient": 0, "stribeck_rise": 0, "slope": "0 s/m"},
-    ),
-    "bearing": (
-        None, {"coulomb": "24 mN*m"}, {"viscous": "0 N*m*s/rad"}, {"coulomb": "1e9 N*m"},
-        {"coulomb": "0 N*m", "viscous": "1e12 N*m*s/rad"},
-    ),
-    "offset": ("0 N*m", "1e9 N*m", "-3 mN*m", 5, "1 N"),
-    "name": ("", "x" * 300, 5, None, "a\nb", "<b>&amp;"),
-    "colour": ("red",),
+    "measurements.torque.column": (1, 2, 3, 200, 201), "measurements.torque.unit": ("N*m", "lbf*in", "Nm", "mm", ""),
+    "friction": (None, 5, {"coefficient": 0.15}, {"stribeck_rise": 0}, {"stribeck_exponent": 1},
+        {"stribeck_exponent": 3}, {"slope": "0 s/m", "stribeck_rise": 0}, {"coefficient": 2.9},
+        {"stribeck_speed": "1e-9 m/s"}, {"stribeck_speed": "1e4 m/s"}, {"slope": "-1000 s/m"}, {"coefficient": 0,
+        "stribeck_rise": 0, "slope": "0 s/m"}),
+    "bearing": (None, {"coulomb": "24 mN*m"}, {"viscous": "0 N*m*s/rad"}, {"coulomb": "1e9 N*m"}, {"coulomb": "0 N*m",
+        "viscous": "1e12 N*m*s/rad"}), "offset": ("0 N*m", "1e9 N*m", "-3 mN*m", 5, "1 N"),
+    "name": ("", "x" * 300, 5, None, "a\nb", "<b>&amp;"), "colour": ("red",),
 }  # fmt: skip
 
 
 def one_load(seed: int) -> tuple[np.ndarray, np.ndarray, float, dict[str, float]]:
-    """Speeds and noisy torques of a random screw under one load, that load, and the law, of the square thread.
+    """Speeds and noisy torques of a random screw, one way or both, its load, and the law, of the square thread.
 
-    Every other law has a rise; slopes fall or grow, and the bearing has up to half of the constant of friction.
+    Every other law has a rise; slopes fall or grow, and the bearing has up to as much friction as the threads.
     """
     rng = np.random.default_rng([7, seed])
     load, most = float(rng.choice([-1, 1]) * 10 ** rng.uniform(0, 3)), rng.choice([6.3, 21.0])
-    both, speed = rng.random() < 0.5, np.linspace(1.0, most, 15) * rng.choice([-1, 1])
-    speed = np.concatenate([-speed, speed]) if both else speed
-    constant, level = rng.uniform(0.05, 0.4), 0.5 * DIAMETER * abs(load)
-    law = LAW | {"friction_coefficient": constant, "stribeck_rise": seed % 2 * rng.uniform(0.2, 0.5) * constant}
-    law |= {"stribeck_speed": 0.5 * DIAMETER * most * rng.uniform(0.1, 0.4), "offset": 0.05 * constant * level * both}
-    law |= {"friction_slope": rng.uniform(-0.6, 0.6) * constant / (0.5 * DIAMETER * most)}
-    law |= {"coulomb": rng.uniform(0, 1) * constant * level, "viscous": rng.uniform(0, 0.5) * constant * level / most}
+    both, speed = rng.integers(2), np.linspace(1.0, most, 15) * rng.choice([-1, 1])
+    speed, fastest = np.concatenate([-speed[: 15 * both], speed]), 0.5 * DIAMETER * most
+    share = rng.uniform([0.05, 0.2, 0.1, -0.6, 0, 0], [0.4, 0.5, 0.4, 0.6, 1, 0.5]) * [1, seed % 2, fastest, 1, 1, 1]
+    friction, force = share[0] * np.array([1, share[1], share[3] / fastest]), 0.5 * DIAMETER * abs(load) * share[0]
+    numbers = [*friction, share[2], force * share[4], force * share[5] / most, 0.05 * force * both]
+    names = ["friction_coefficient", "stribeck_rise", "friction_slope"]
+    law = dict(zip([*names, "stribeck_speed", "coulomb", "viscous", "offset"], numbers, strict=True))
     exact = torque(speed, load, law)
-    noise = 10 ** rng.uniform(-2.5, -1.5) * float(np.median(np.abs(exact)))
-    of_flanks = ("friction_coefficient", "stribeck_rise", "friction_slope")
-    return speed, exact + noise * rng.standard_normal(speed.size), load, law | {k: law[k] * square() for k in of_flanks}
+    noise = 10 ** rng.uniform(-2.5, -1.5) * float(np.median(np.abs(exact))) * rng.standard_normal(speed.size)
+    return speed, exact + noise, load, law | {name: law[name] * square() for name in names}
 
 
 def random_measurement(folder: Path, seed: int, index: int) -> Path:
