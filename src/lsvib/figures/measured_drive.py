@@ -26,8 +26,8 @@ that is even with their standard deviation, and the fitted law; all friction in 
 files at 2 rpm, which jerk, beside the cycle of the model. (c) Speed from which on the model runs evenly once started,
 over the damping c of command and bearing; the shaded dampings explain which files jerk and which are even. (d) What
 the law leaves of the means, with their standard errors.
-Explained: the torque climbs as behind a spring of 0.0215 N m/rad. With as much friction in the bearing as can be, 2.36
-mN m in sliding and 3.16 at rest, and a damping of 1.24 × 10⁻⁴ N m s/rad, the model jerks as often as the screw both
+Explained: the torque climbs as behind a spring of 0.0215 N m/rad. With as much friction in the bearing as can be, 2.37
+mN m in sliding and 3.17 at rest, and a damping of 1.23 × 10⁻⁴ N m s/rad, the model jerks as often as the screw both
 ways, to 1 %, with its torque, to 0.03 mN m, and its swing, to 3 %; both numbers are those that give period and torque
 in the mean of both directions, and the breakaway torque makes 3.23 ± 0.07. With what is above sliding in the threads it
 would jerk every 0.37 s lowering and 0.44 lifting. Recorded speeds up to 15 rpm are averages, over some 50 ms, of slips
