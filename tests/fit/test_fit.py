@@ -85,6 +85,8 @@ def test_the_jerks_of_the_measured_screw(screw, tmp_path):
         "operation": {"speed": ["2 rpm", "20 rpm"]},
         **{key: parts[key] for key in ("friction", "coupling", "damping")},
     }
+    assert [float(end.split()[0]) for end in data["damping"]["rotational"]] == pytest.approx(told["bounds"], rel=1e-5)
+    assert all(set(entry) == {"mean", "std"} for entry in [data["coupling"]["stiffness"], data["friction"]["static"]])
     (tmp_path / "sheet.yaml").write_text(yaml.safe_dump(data))
     verdict = assess_file(tmp_path / "sheet.yaml", None, samples=64)
     assert verdict["verdict"] == "jerks"
@@ -163,12 +165,9 @@ def test_two_loads_tell_threads_from_bearing(tmp_path):
     assert fit_sheet(write_tables(tmp_path / "one", [600.0])).fit.not_separable
     known_zero = fit_sheet(write_tables(tmp_path / "zero", [600.0], noise=1e-4, offset="4 mN*m"))
     assert ("friction_coefficient", "coulomb") not in known_zero.fit.not_separable
-
-
-def test_what_one_direction_cannot_tell_is_said(tmp_path):
-    found = fit_sheet(write_tables(tmp_path, [600.0], SPEEDS, noise=1e-3, bearing={"coulomb": "24 mN*m"}))
-    assert any("One direction" in sentence for sentence in sentences(found))
-    assert "offset" not in found.fit.unknown
+    one_way = fit_sheet(write_tables(tmp_path / "way", [600.0], SPEEDS, noise=1e-3, bearing={"coulomb": "24 mN*m"}))
+    assert any("One direction" in sentence for sentence in sentences(one_way))
+    assert "offset" not in one_way.fit.unknown
 
 
 def test_an_outlier_and_a_flat_law_are_seen(tmp_path):
@@ -277,6 +276,11 @@ def test_a_table_of_many_speeds_is_a_point_a_row(tmp_path):
     found = fit_sheet(path)
     assert len(found.points) == 2 * 2 * SPEEDS.size * 3
     assert found.fit.main.values["coulomb"] == pytest.approx(LAW["coulomb"], rel=0.01)
+    # And a servo that starts, runs and stops, in one file, is none.
+    speed = np.concatenate([np.linspace(0, 200, 40), np.full(60, 200.0), np.linspace(200, 0, 40)])
+    (tmp_path / "load300.txt").write_text("\n".join(f"{w:.0f};{100 + w:.0f}" for w in speed))
+    with pytest.raises(InputError, match=r"load300.txt looks like a record over time"):
+        fit_sheet(path)
 
 
 @pytest.mark.parametrize(("loads", "names"), [((300.0, 900.0), ("fit",)), ((300.0,), ("threads", "bearing"))])
@@ -391,18 +395,6 @@ def test_an_exponent_that_the_points_do_not_tell_is_said(tmp_path):
     assert quiet.fit.main.values["stribeck_exponent"] == 1
     said = [any("exponent of the rise is not known" in text for text in sentences(one)) for one in (noisy, quiet)]
     assert said == [noisy.fit.rival is not None, False]
-
-
-def test_a_record_over_time_is_refused(tmp_path):
-    """A servo that starts, runs and stops, in one file."""
-    speed = np.concatenate([np.linspace(0, 20, 40), np.full(60, 20.0), np.linspace(20, 0, 40)])
-    rows = "\n".join(f"{w:.6g},{0.1 + 0.001 * w:.6g}" for w in speed)
-    (tmp_path / "run.csv").write_text(f"rad/s,N m\n{rows}\n")
-    sheet = yaml.safe_load(write_tables(tmp_path / "other", [300.0]).read_text())
-    sheet["measurements"][0] |= {"files": "run.csv", "speed": {"column": 1, "unit": "rad/s"}}
-    (tmp_path / "sheet.yaml").write_text(yaml.safe_dump(sheet))
-    with pytest.raises(InputError, match=r"run.csv looks like a record over time"):
-        fit_sheet(tmp_path / "sheet.yaml")
 
 
 def test_nothing_is_copied_from_a_law_that_does_not_fit(screw):

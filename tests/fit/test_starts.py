@@ -4,15 +4,12 @@ import math
 
 import numpy as np
 import pytest
-import yaml
 from references.starts import FINE, STEP, commanded, motion, recorded
 
 from lsvib.fit.records import look
-from lsvib.fit.sheet import fit_sheet
 from lsvib.fit.tables import Recording
 
 RPM = math.pi / 30
-UNITS = {"time": "s", "speed": "rad/s", "torque": "N*m"}
 
 
 def known(seed):
@@ -93,26 +90,18 @@ def test_what_is_told_is_right_and_what_is_not_has_a_reason(name):
 
 
 @pytest.mark.parametrize(("steep", "sense"), [(0.6, 1), (2, 1), (2, -1)])
-def test_a_load_that_changes_the_flank_leaves_the_inertia(steep, sense, tmp_path):
+def test_a_load_that_changes_the_flank_leaves_the_inertia(steep, sense):
     """A screw of 20 mm lead, 0.5 kg upright on it, starts and stops at a part of its weight, or twice that."""
-    inertia, mass, arm, random = 2e-6, 0.5, 0.02 / (2 * math.pi), np.random.default_rng(1)
-    rate = steep * 9.80665 / arm
-    speeds = {f"{w}": np.full(30 * FINE, w * 20 * STEP * rate) for w in (0.1, 0.4, 1, -0.1, -0.4, -1)}
-    speeds["start"] = commanded(rate, 20 * STEP * rate, (sense,))
-    for name, speed in speeds.items():
-        gain, turns = np.gradient(speed, STEP / FINE), np.sign(speed)
-        force = mass * (9.80665 + arm * gain)
-        wedge = 9e-3 * np.abs(force) * np.tan(math.atan(0.12) + turns * np.sign(force) * math.atan(arm / 9e-3))
-        rows = np.array([speed, inertia * gain + turns * (1e-3 + wedge)])
-        table = zip(*recorded(rows, random, 1.0, (1e-2, 1e-4), (1e-3, 1e-6)), strict=True)
-        lines = (f"{STEP * k:.6g},{w:.8g},{held:.8g}\n" for k, (w, held) in enumerate(table))
-        (tmp_path / f"{name}.csv").write_text("".join(lines))
-    columns = {name: {"column": k, "unit": u} for k, (name, u) in enumerate(UNITS.items(), 1)}
-    sheet = {
-        "thread": {"lead": "20 mm", "pitch_diameter": "18 mm"},
-        "friction": {"coefficient": 0.12, "stribeck_rise": 0},
-    }
-    sheet |= {"load": {"mass": "0.5 kg", "orientation": "vertical"}, "measurements": {"files": "*.csv", **columns}}
-    (tmp_path / "sheet.yaml").write_text(yaml.safe_dump(sheet))
-    value, error = fit_sheet(tmp_path / "sheet.yaml").inertia
+    inertia, arm, gain = 2e-6, 0.02 / (2 * math.pi), steep * 9.80665 * 2 * math.pi / 0.02
+
+    def threads(speed, rate):
+        """Torque under weight and inertia of the load."""
+        force, turns = 0.5 * (9.80665 + arm * rate), np.sign(speed)
+        return turns * 9e-3 * np.abs(force) * np.tan(math.atan(0.12) + turns * np.sign(force) * math.atan(arm / 9e-3))
+
+    speed = commanded(gain, 20 * STEP * gain, (sense,))
+    rate = np.gradient(speed, STEP / FINE)
+    rows = np.array([speed, inertia * rate + 1e-3 * np.sign(speed) + threads(speed, rate)])
+    recording = Recording("x", *recorded(rows, np.random.default_rng(1), 1.0, (1e-2, 1e-4), (1e-3, 1e-6)))
+    value, error = look(recording, STEP, STEP, lambda w, rates: threads(w, rates) - threads(w, 0.0)).inertia
     assert abs(value - inertia) < 2.6 * error < 0.2 * inertia
