@@ -8,7 +8,6 @@ from references.command_line import refused
 from references.measured import SPEEDS, write_tables
 
 GONE = object()
-COLUMN = {"column": 1, "unit": "rpm"}
 # Place in the sheet, what stands there instead, and words that the sentence must hold.
 SHEETS = [
     ("thread", GONE, "thread is missing"),
@@ -22,11 +21,9 @@ SHEETS = [
     ("load", {"mass": "30 kg", "orientation": "horizontal"}, "load makes no axial force"),
     ("load.force", "-300 N", "turns harder in the direction in which the given load would help"),
     ("measurements", GONE, "measurements is missing"),
-    ("measurements", [], "measurements"),
     ("measurements.files", "none/*.csv", "names no files"),
     ("measurements.files", "/etc/*.csv", "not a pattern of files"),
     ("measurements.files", ".", "measurements.files = '.' is not a pattern of files beside the sheet"),
-    ("measurements.files", "a" * 400, "is not a pattern of files beside the sheet"),
     ("measurements.separator", "word", "measurements.separator = 'word' is not one sign that parts cells"),
     ("measurements.decimal", ",", "measurements.separator and measurements.decimal are both ','"),
     ("measurements.speed.factor", 1e300, "rad/s; the allowed range is up to 1e+06 rad/s"),
@@ -36,11 +33,9 @@ SHEETS = [
     ("measurements.speed", GONE, "measurements.speed is missing"),
     ("measurements.speed.unit", GONE, "measurements.speed.unit is missing"),
     ("measurements.speed.unit", "bananas", "is not known"),
-    ("measurements.torque.unit", 5, "measurements.torque.unit = 5 is not the name of a unit"),
     ("measurements.torque.unit", "N", "is not a torque"),
     ("measurements.torque.column", 0, "measurements.torque.column = 0 is outside the allowed range 1 <= column"),
     ("measurements.torque.column", 3, "has 2 columns"),
-    ("measurements.torque.column", "two", "is not a number"),
     ("measurements.torque.factor", 0, "any finite number but 0"),
     ("measurements.torque.factor", "1 %", "is not a number"),
     ("measurements.point", "table", "is not one of file or row"),
