@@ -5,7 +5,6 @@ from importlib import import_module
 from pathlib import Path
 
 import lsvib
-from lsvib.api import DriveMethods
 from lsvib.models.drive import IN_WORDS, PART_OF, PARTS, Drive, allowed_range, described
 
 _GROUPS = {
@@ -127,8 +126,6 @@ def module_pages(source: Path) -> str:
         for name in names:
             module = import_module(name)
             others = [key for key in getattr(module, "__all__", ()) if getattr(module, key).__module__ != name]
-            if name == Drive.__module__:  # what can be asked of a drive stands on the page of the public interface
-                others += [key for key in vars(DriveMethods) if not key.startswith("_")]
             text = f"{_heading(name, '=')}\n.. automodule:: {name}\n   :members:\n"
             text += f"   :exclude-members: {', '.join(others)}\n" if others else ""
             (folder / f"{name.removeprefix('lsvib.')}.rst").write_text(text, encoding="utf-8")

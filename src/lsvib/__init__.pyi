@@ -1,6 +1,7 @@
 """The public names of the package and where they live; ``__init__.py`` loads each on first use."""
 
 from lsvib.api import Drive as Drive
+from lsvib.api import Scene as Scene
 from lsvib.api import simulate as simulate
 from lsvib.basins.boundary import Basin as Basin
 from lsvib.basins.curves import Window as Window
@@ -19,7 +20,6 @@ from lsvib.errors import LsvibError as LsvibError
 from lsvib.errors import NoThreshold as NoThreshold
 from lsvib.figures.answers import draw as draw
 from lsvib.figures.answers import open as open
-from lsvib.models.scene import Scene as Scene
 from lsvib.results import Condition as Condition
 from lsvib.results import Derivative as Derivative
 from lsvib.results import PrintedValue as PrintedValue

@@ -38,7 +38,7 @@ else:
 Start = Mapping[str, float] | Literal["rest"]  # coordinates of a start by name, in SI units
 Terms = Sequence[str] | None  # of the equations of motion, by name
 
-__all__ = ["Drive", "DriveMethods", "simulate"]
+__all__ = ["Drive", "DriveMethods", "Scene", "simulate"]
 
 
 class DriveMethods(_Base):
