@@ -55,7 +55,7 @@ def test_requirements_lock_what_the_two_commands_need():
         open_ones = {normal(text) for text in texts} - needed
     pinned = {normal(name) for name in PINS}
     assert needed <= pinned
-    assert {normal(text) for text in declared} <= pinned
+    assert {text.replace(">=", "==") for text in declared} <= set(LINES)  # no older ones are tried
 
 
 def test_the_version_is_in_one_place_and_the_others_agree():
