@@ -23,7 +23,7 @@ from lsvib.models import friction, sliding
 from lsvib.models.command import Command, one_after_the_other
 from lsvib.models.drive import Drive, once
 from lsvib.models.mechanism import Mechanism, Solution, seated
-from lsvib.models.modes import OUTPUTS, Modes, still_flow
+from lsvib.models.modes import Modes, still_flow
 from lsvib.models.names import DIRECTIONS, Event, Key, Resume
 
 
@@ -91,7 +91,8 @@ class LawModes(Modes):
         free, rubbed = (self.m.solve(d, law, (), mu) for mu in (0 * t, probe))
         without, pressed = self._observed(free), self._observed(rubbed)
         split = Split.of(free.field, free.normal, rubbed.field, rubbed.normal, probe)
-        return split, without, {name: split.part(without[name], pressed[name]) for name in OUTPUTS[:2]}
+        forces = ("normal_force", "axial_contact_force")
+        return split, without, {name: split.part(without[name], pressed[name]) for name in forces}
 
     def _bound(
         self, modes: dict[str, Mode], name: str, surface: str, d: int, speed: Any, side: int, leads: str

@@ -53,10 +53,6 @@ from lsvib.models.names import DIRECTIONS, HOLDS, HOW, SIGNS, Event, Key, Resume
 
 Side = tuple[Row, Test]  # a row and the test that it has to pass
 
-OUTPUTS = (  # forces [N], torque [N m], angle [rad], speeds [rad/s] and [m/s]
-    "normal_force", "axial_contact_force", "coupling_torque", "coupling_deflection", "screw_speed", "nut_speed",
-)  # fmt: skip
-
 
 class Modes:
     """All modes of a drive with rigid or compliant threads, and its automaton.
@@ -154,7 +150,7 @@ class Modes:
             surfaces=self.surfaces,
             modes=modes,
             transitions=self.transitions,
-            observables={name: {mode: rows[name] for mode, rows in seen.items()} for name in OUTPUTS},
+            observables={name: {mode: rows[name] for mode, rows in seen.items()} for name in seen[next(iter(seen))]},
             parts=parts,
             shortest_stay=SHORT_STAY * np.minimum.reduce(np.broadcast_arrays(*scales)),
             rest_codes=tuple(self.codes[self.name(key)] for key in self.rests),
@@ -182,8 +178,8 @@ class Modes:
     def _observed(self, found: Solution) -> dict[str, Row]:
         m = self.m
         torque = m.coupling_torque(m.rates(True, ()))
-        rows = (found.normal, found.contact, torque, m.deflection, m.speed, m.nut_speed)
-        return dict(zip(OUTPUTS, rows, strict=True))
+        loads = {"normal_force": found.normal, "axial_contact_force": found.contact, "coupling_torque": torque}
+        return {**loads, "coupling_deflection": m.deflection, "screw_speed": m.speed, "nut_speed": m.nut_speed}
 
     # What bounds a mode
 
