@@ -161,7 +161,7 @@ class _Words(string.Formatter):
 
     def format_field(self, value: Any, format_spec: str) -> str:
         """Return a number, text or array in words."""
-        return ", ".join(format(one, format_spec) for one in np.ravel(value).tolist())
+        return ", ".join("none" if one != one else format(one, format_spec) for one in np.ravel(value).tolist())
 
 
 def _filled(words: str, numbers: Mapping[str, Any]) -> str:
@@ -179,7 +179,7 @@ def read_checks(path: str | os.PathLike[str]) -> list[tuple[str, Check]]:
     except OSError as error:
         raise InputError(f"Cannot read {path}: {error.strerror}.") from None
     except (ValueError, TypeError, AttributeError):
-        raise InputError(f"{path} is not a readable file of checks; delete it, and run again what makes it.") from None
+        raise InputError(f"{path} is not a readable file of checks; run again what makes it.") from None
 
 
 def verdict(checks: NamedChecks) -> str:
@@ -222,14 +222,14 @@ def percent(error: float | None) -> str:
 
 def quantity(value: float | str, unit: str | None) -> str:
     """Return a value with its unit as text."""
-    return text(value) if unit in (None, "1") else f"{text(value)} {unit}"
+    return text(value) if unit in (None, "1") or value != value else f"{text(value)} {unit}"
 
 
 def text(value: float | str | None) -> str:
-    """Return a value as text, numbers with six digits, a dash for None."""
+    """Return a value as text, numbers with six digits, NaN as "none", a dash for None."""
     if value is None:
         return "-"
-    return f"{value:.6g}" if isinstance(value, float) else value
+    return "none" if value != value else f"{value:.6g}" if isinstance(value, float) else value
 
 
 def printed(checks: NamedChecks) -> list[tuple[str, Check]]:

@@ -14,7 +14,7 @@ from pydantic_core import PydanticCustomError
 from lsvib.datasets import newton, phase_plane, spans
 from lsvib.datasets.analysis import analyse, value
 from lsvib.datasets.attributes import flagged, start_state, variable, varied, yes_no
-from lsvib.datasets.checks import Check
+from lsvib.datasets.checks import Check, quantity
 from lsvib.figures import drawing, style
 from lsvib.figures.common import about, flag_names, named, printed, spread
 from lsvib.figures.settings import MassPair, PhasePlane, Span, State, Values, parameter, several
@@ -181,7 +181,7 @@ def _reading_checks(dataset: xr.Dataset) -> list[Check]:
     wrong = [abs(x / claims()[id].value - 1) > 0.1 for x, id in zip(inertias, stands.values(), strict=True)]
     forces = [theirs[name] for name in ("stick_force", "detach_force")]
     ids = [chapter.THRESHOLDS[name] for name in ("stick_force", "detach_force")]
-    off = [abs(force / claims()[id].value - 1) > 0.02 for force, id in zip(forces, ids, strict=True)]
+    off = [not abs(force / claims()[id].value - 1) <= 0.02 for force, id in zip(forces, ids, strict=True)]
     read = f"as printed, read as that of m = {other:g} kg (with the stated m = {stated:g} kg it is"
     return [
         Check.of("fig8_06.damping_minus", ours["effective_damping_minus"]),
@@ -191,7 +191,7 @@ def _reading_checks(dataset: xr.Dataset) -> list[Check]:
             for name, id in stands.items()
         ),
         Check.that("fig8_06.stated_mass", all(wrong), mass=stated, inertias=inertias),
-        Check.that("fig8_06.other_mass", all(off), mass=other, forces=forces),
+        Check.that("fig8_06.other_mass", all(off), mass=other, forces=[quantity(x, "N") for x in forces]),
     ]
 
 
