@@ -7,12 +7,14 @@ import ast
 import copy
 import doctest
 import json
+import multiprocessing
 import pickle
 import re
 import subprocess
 import sys
 from dataclasses import fields, is_dataclass
 from importlib.util import find_spec
+from operator import methodcaller
 from pathlib import Path
 
 import numpy as np
@@ -86,6 +88,12 @@ def test_drives_are_values():
     assert hash(lsvib.Drive(mass=9)) == hash(Drive(mass=9.0))
     assert lsvib.Drive() not in (threads_drive(), {})
     assert repr(lsvib.Drive(axial_force=-0.0)) == "Drive(axial_force=0.0)"
+
+
+def test_a_pickled_drive_answers_in_a_process_that_has_loaded_nothing():
+    drive = lsvib.Drive(mass=11)
+    with multiprocessing.get_context("spawn").Pool(1) as pool:
+        assert pool.map(methodcaller("stability"), [drive]) == [drive.stability()]
 
 
 def test_reports_and_thresholds_of_random_drives_are_plain_numbers():
@@ -181,6 +189,7 @@ def test_an_answer_is_printed_in_a_few_lines(name):
     assert getattr(answer, "orbit", answer) is not None
     assert repr(answer).startswith(f"{name}(")
     assert len(repr(answer)) < 400, repr(answer)
+    assert ("period=0.0109438169, amplitude=0.05599717" in repr(answer)) == (name in ("SteadyState", "Cycle"))
 
 
 CONTACT = {"contact_stiffness": (1e4, 1e9, 3), "contact_damping": (1.0, 1e9, 3)}

@@ -1,5 +1,7 @@
 """Pictures of a user's own answers: what they show, from the computed dataset and from its file alike."""
 
+from contextlib import nullcontext
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -15,7 +17,7 @@ COMMAND = {"times": [0, 0.1, 0.2], "speeds": [0, 40, 0]}
 
 def branch() -> xr.Dataset:
     drive = lsvib.Drive(mass=11, support_damping=2e-3, axial_force=-18)
-    return branch_dataset(drive, drive.follow(drive.cycles().cycles[0], "axial_force", (-18.2, -17.8)))
+    return branch_dataset(drive.follow(drive.cycles().cycles[0], "axial_force", (-18.2, -17.8)))
 
 
 ANSWERS = {  # what makes it, panels with data, words and units that they show
@@ -54,6 +56,42 @@ def test_an_answer_and_its_file_are_drawn_alike(kind, tmp_path):
     assert found == again == opened
     assert found[0] == panels
     assert [word for word in words if word not in found[1]] == []
+    dataset.to_netcdf(file)  # is CF, too, and says of each parameter where it comes from
+    with xr.open_dataset(file, decode_cf=False) as raw:
+        assert (raw.Conventions, raw.lsvib_version) == ("CF-1.11", lsvib.__version__)
+        assert [name for name in dataset.coords if "_FillValue" in raw[name].attrs] == []
+        assert raw.pitch_radius.origin == "printed: Table 8.1"
+        changed = ("mass", "support_damping", "axial_force")
+        assert {raw[name].origin.partition(":")[0] for name in changed} <= {"given", "varied"}
+
+
+@pytest.mark.parametrize("ask", ["cycles", "basin"])
+def test_what_a_method_returns_is_drawn_and_shown_by_a_notebook(ask):
+    figure = lsvib.draw(getattr(DRIVE, ask)())
+    assert shown(figure) == (1, " Deviation $u$ [rad] Rate $\\dot u$ [rad s⁻¹]")
+    assert figure._repr_png_().startswith(b"\x89PNG")
+    with pytest.raises(InputError, match="cannot be drawn; motions, sweeps"):
+        lsvib.draw(getattr(lsvib.Drive(), ask)())  # steady sliding attracts all
+
+
+SPOILED = [  # kind, what is done to it, and the sentence, or nothing where there is a picture
+    ("motion", lambda x: x.drop_vars("mode"), "mode"),
+    ("motion", lambda x: x.drop_vars("input_speed"), "input_speed"),
+    ("motion", lambda x: (x["mode"].attrs.pop("flag_meanings"), x)[1], "flag_meanings is missing"),
+    ("motion", lambda x: (x.normal_force.attrs.update(symbol=r"$\frac{$"), x)[1], "ParseException|Expected"),
+    ("motion", lambda x: x.assign(own=("time", 2 * x.time.values), words=("time", x.time.values.astype(str))), ""),
+    ("sweep", lambda x: x.assign(own=("other", [1.0, 2.0]), more=x.amplitude.drop_attrs()), ""),
+    ("branch", lambda x: x.assign_attrs(changes="{"), "Expecting property name"),
+    ("chart", lambda x: x.drop_vars("fraction"), "fraction"),
+    ("map", lambda x: x.isel(angle_deviation=slice(0, 0)), "cannot be drawn"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("kind", "spoil", "words"), SPOILED)
+def test_a_dataset_that_is_not_as_it_was_made_is_drawn_or_refused_in_a_sentence(kind, spoil, words):
+    spoiled = spoil(ANSWERS[kind][0]())
+    with pytest.raises(InputError, match=f"the dataset is not as .*({words}).*\\.$") if words else nullcontext():
+        lsvib.draw(spoiled)
 
 
 def test_a_motion_shows_speed_command_rest_and_seizures():

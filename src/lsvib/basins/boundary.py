@@ -77,8 +77,15 @@ class Basin:
         everything: Curve = [Segment(np.array([-1e300, -math.inf]), np.array([-1e300, math.inf]))]  # to its right
         return [clip(self.flow, curve, window) for curve in self.curves or [everything]]
 
-    def line(self, window: Part, count: int = 100) -> np.ndarray:
-        """Return points (n, 2) of the boundary in a window for drawing, NaN where it is interrupted."""
+    def line(self, window: Part | None = None, count: int = 100) -> np.ndarray:
+        """Return points (n, 2) of the boundary for drawing, NaN where it is interrupted.
+
+        ``window``: where; by default where the boundary bends, and a little around it.
+        """
+        if window is None:
+            points = sampled(self.flow, self.curves)
+            low, high = (end(points[np.isfinite(points).all(axis=1)], axis=0) for end in (np.min, np.max))
+            window = Window(*np.stack([1.2 * low - 0.2 * high, 1.2 * high - 0.2 * low], axis=1).ravel().tolist())
         closed, paths = inside(self.flow, self.curves, Window.of(window))
         return sampled(self.flow, [*closed, *paths], count)
 

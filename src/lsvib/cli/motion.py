@@ -119,5 +119,5 @@ def follow(
         raise InputError("the drive has no cycle to follow; see lsvib cycles.")
     chosen = listed[whole_between("cycle", cycle, 1, len(listed)) - 1]
     branch = made.follow(chosen, over.key, (over.low, over.high), points=points)
-    files.write(branch_dataset(made, branch))
+    files.write(branch_dataset(branch))
     show(branch_json(branch), as_json, branch_text(branch))

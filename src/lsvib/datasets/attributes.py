@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from lsvib import __version__
 from lsvib.models import chapter
 from lsvib.models.drive import Drive
 from lsvib.models.model import QUANTITIES
@@ -21,6 +22,17 @@ Dims = str | tuple[str, ...]
 Variable = tuple[Dims, Any, dict[str, Any]]  # as xarray.Dataset takes one
 Variables = dict[str, Variable]
 Words = Iterable[IntEnum] | Mapping[int, str] | Sequence[str]
+
+CONVENTIONS = "CF-1.11"
+
+
+def answer(found: Variables, coordinates: Variables, about: Mapping[str, Any]) -> xr.Dataset:
+    """Return what was found as a dataset that says what made it, and that ``to_netcdf`` writes as CF.
+
+    CF has no fill values on coordinates.
+    """
+    made = {"Conventions": CONVENTIONS, "history": f"made by lsvib {__version__}", "lsvib_version": __version__}
+    return xr.Dataset(found, {n: (*own, {"_FillValue": None}) for n, own in coordinates.items()}, {**about, **made})
 
 
 def about_drive(drive: Drive, parameters: Iterable[tuple[str, Any]]) -> dict[str, str]:
@@ -131,8 +143,10 @@ def parameter(name: str, origin: str, **more: Any) -> dict[str, Any]:
 
 
 def given(values: Iterable[tuple[str, Any]]) -> Variables:
-    """Return names and values of parameters as variables that were given by whoever asked for the file."""
-    return {name: ((), value, parameter(name, GIVEN)) for name, value in values}
+    """Return names and values of a drive's parameters as variables; all but the defaults were given."""
+    default, places = {name: field.default or 0.0 for name, field in Drive.model_fields.items()}, tuple(chapter.STATED)
+    origins = ((n, x, GIVEN if x != default[n] else origin_of(n, x, places)) for n, x in values)
+    return {name: ((), value, parameter(name, origin)) for name, value, origin in origins}
 
 
 def axis(name: str, values: Any, dims: str | tuple[str, ...] = "", origin: str = VARIED) -> Variables:

@@ -11,7 +11,7 @@ import xarray as xr
 from lsvib import numbers, words
 from lsvib.basins.boundary import Boundary, known_basin
 from lsvib.basins.curves import Arc, state_on
-from lsvib.datasets.attributes import about_drive, flagged, variable, yes_no
+from lsvib.datasets.attributes import about_drive, answer, axis, flagged, given, variable, yes_no
 from lsvib.datasets.sweep import known_key
 from lsvib.dynamics.attractor import Attractor, SteadyState, shrinks_areas
 from lsvib.dynamics.continuation import CycleBranch, follow_cycle
@@ -20,7 +20,7 @@ from lsvib.engine.automaton import Automaton
 from lsvib.engine.motion import enter
 from lsvib.errors import EngineError, InputError
 from lsvib.models import friction
-from lsvib.models.drive import IN_WORDS, PART_OF, Drive, described, zero_if_close
+from lsvib.models.drive import IN_WORDS, PART_OF, Drive, zero_if_close
 from lsvib.models.model import model_of
 
 
@@ -159,34 +159,33 @@ def followed(
     return follow_cycle(cycle, made, parameter, (low, high), most)
 
 
-def branch_dataset(drive: Drive, branch: CycleBranch) -> xr.Dataset:
+def branch_dataset(branch: CycleBranch) -> xr.Dataset:
     """Return a branch of cycles as a dataset along ``point``; its changes are an attribute."""
-    about, points, cycles = described(branch.parameter), branch.points, [point.cycle for point in branch.points]
+    points, cycles = branch.points, [point.cycle for point in branch.points]
+    drive = cycles[0].drive
+    fixed = [(key, value) for key, value in drive if key != branch.parameter]
     multipliers = np.array([cycle.multipliers for cycle in cycles]).reshape(len(cycles), -1)
     columns: dict[str, tuple[Any, ...]] = {  # values, unit, words, symbol
-        branch.parameter: ([point.value for point in points], about["unit"], about["long_name"]),
         "along": ([point.along for point in points], "1", "length of the branch from its start"),
         "period": ([cycle.period for cycle in cycles], "s", "period of the cycle", "$T$"),
         "amplitude": ([cycle.amplitude for cycle in cycles], "rad", "amplitude, half its peak-to-peak"),
         "multiplier_error": ([cycle.multiplier_error for cycle in cycles], "1", "bound of the multipliers' errors"),
         "period_residual": ([cycle.residual for cycle in cycles], "1", "change of the state over a period"),
     }
-    data: dict[str, Any] = {name: variable("point", np.array(own), *more) for name, (own, *more) in columns.items()}
+    data = axis(branch.parameter, [point.value for point in points], "point")
+    data |= {name: variable("point", np.array(own), *more) for name, (own, *more) in columns.items()}
     data["attractor"] = flagged("point", [cycle.label for cycle in cycles], "kind of cycle", Attractor)
     data["attracting"] = yes_no("point", [cycle.attracting for cycle in cycles], "whether the cycle attracts")
     for part, word in (("real", "real"), ("imag", "imaginary")):
         dims, about_part = ("point", "multiplier_number"), f"{word} part of the Floquet multipliers"
         data[f"multiplier_{word}_part"] = variable(dims, getattr(multipliers, part), "1", about_part)
-    return xr.Dataset(
-        data,
-        attrs={
-            "title": f"A cycle of the lead-screw drive over {branch.parameter}",
-            "source": "lsvib, Newton's method on the exact return map, pseudo-arclength continuation",
-            "references": "doi:10.1007/978-1-4419-1752-2_8",
-            "changes": json.dumps(branch_json(branch)["changes"]),
-            **about_drive(drive, ((key, value) for key, value in drive if key != branch.parameter)),
-        },
-    )
+    about = {
+        "title": f"A cycle of the lead-screw drive over {branch.parameter}",
+        "source": "lsvib, Newton's method on the exact return map, pseudo-arclength continuation",
+        "references": "doi:10.1007/978-1-4419-1752-2_8",
+        "changes": json.dumps(branch_json(branch)["changes"]),
+    }
+    return answer(data | given(fixed), {}, about_drive(drive, fixed) | about)
 
 
 def branch_json(branch: CycleBranch) -> dict[str, Any]:

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from lsvib.datasets.attributes import CONVENTIONS
 from lsvib.errors import InputError, LsvibError
 from lsvib.files import replacing, uninterrupted
 
@@ -43,7 +44,7 @@ def write_dataset(dataset: xr.Dataset, path: str | os.PathLike[str], maker: str 
         problem = _problem(str(name), dataset.variables[name], is_coordinate=name in dataset.coords)
         if problem:
             raise InputError(f"{path.name}: the variable {name} {problem}.")
-    complete = dataset.drop_encoding().assign_attrs(Conventions="CF-1.11", **provenance(maker))
+    complete = dataset.drop_encoding().assign_attrs(Conventions=CONVENTIONS, **provenance(maker))
     encoding = {name: _encoding(variable, name in dataset.coords) for name, variable in dataset.variables.items()}
     with replacing(path) as part:
         try:
@@ -67,9 +68,7 @@ def read_dataset(path: str | os.PathLike[str]) -> xr.Dataset:
         return xr.load_dataset(path, engine="netcdf4")
     except (OSError, RuntimeError, ValueError) as error:
         text = str(error).rstrip(".")
-        raise InputError(
-            f"{path} is not a readable netCDF file ({text}); delete it, and run again what makes it."
-        ) from error
+        raise InputError(f"{path} is not a readable netCDF file ({text}); run again what makes it.") from error
 
 
 def _problem(name: str, variable: xr.Variable, is_coordinate: bool) -> str:

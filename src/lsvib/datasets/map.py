@@ -72,22 +72,19 @@ def _around(cells: xr.Dataset, mapper: Mapper, grid: Grid) -> xr.Dataset:
 
 def frame(mapper: Mapper, grid: Grid) -> xr.Dataset:
     """Return a map without its cells: middles of the cells, and global attributes, ``grid`` among them as JSON."""
-    axes = {
+    axes: cf.Variables = {
         name: (name, axis.centres(), {**cf.quantity(name), "cell_width": axis.width})
         for name, axis in zip(_dimensions(grid), (grid.y, grid.x), strict=True)
     }
     spans = {axis.coordinate: [axis.start, axis.stop, axis.count] for axis in (grid.x, grid.y)}
-    return xr.Dataset(
-        coords=axes,
-        attrs={
-            "title": "Regions of attraction of a lead-screw drive",
-            "source": "lsvib, exact event-driven motion from the middle of every cell",
-            "references": "doi:10.1007/978-1-4419-1752-2_8, Sect. 8.7",
-            **cf.about_drive(mapper.drive, mapper.drive),
-            "physics": " ".join(mapper.physics),
-            "grid": json.dumps({"axes": spans, "fixed": dict(grid.fixed)}),
-        },
-    )
+    about = {
+        "title": "Regions of attraction of a lead-screw drive",
+        "source": "lsvib, exact event-driven motion from the middle of every cell",
+        "references": "doi:10.1007/978-1-4419-1752-2_8, Sect. 8.7",
+        "physics": " ".join(mapper.physics),
+        "grid": json.dumps({"axes": spans, "fixed": dict(grid.fixed)}),
+    }
+    return cf.answer({}, axes, cf.about_drive(mapper.drive, mapper.drive) | about)
 
 
 def _dimensions(grid: Grid) -> tuple[str, str]:
@@ -128,11 +125,8 @@ def surroundings(mapper: Mapper, grid: Grid) -> dict[str, cf.Variable]:
     if (grid.x.coordinate, grid.y.coordinate) != ("u", "w"):
         return data
     orbits = [found.orbit for found in mapper.attractors if found.orbit is not None]
-    # So many that no picture shows corners, and two at least for each arc.
-    count = max([400, *(2 * (orbit.time.size + 1) for orbit in orbits)])
-    points = np.array([phase_plane.sample(orbit, count)[1][:, :2] for orbit in orbits])
     if orbits:
-        data |= phase_plane.curve("cycle", ("cycle", "sample"), points, "on the limit cycle")
+        data |= phase_plane.orbits(orbits)
     if mapper.drive.rigid:
         lines = phase_plane.lines([mapper.drive])
         names = ("contact_line_angle", "contact_line_slope", "stop_velocity")

@@ -101,14 +101,12 @@ class Simulation:
                 data[name][2]["comment"] = cf.WITHOUT_IMPULSES
         events = phase_plane.events(motion, definition.events, seizures)
         after = cf.flagged("event", codes[motion.mode], "mode of motion after the event", definition.modes)
-        return xr.Dataset(
-            data | {name: ("event", *known) for name, known in events.items()} | {"event_mode": after},
-            coords={
-                "time": ("time", times, cf.attributes("s", "time", "$t$")),
-                "event": ("event", np.arange(motion.time.size), cf.attributes("1", "index of the event")),
-            },
-            attrs=self._about(),
-        )
+        data |= {name: ("event", *known) for name, known in events.items()} | {"event_mode": after}
+        coordinates = {
+            "time": cf.variable("time", times, "s", "time", "$t$"),
+            "event": cf.variable("event", np.arange(motion.time.size), "1", "index of the event"),
+        }
+        return cf.answer(data | cf.given(scene.parameters().items()), coordinates, self._about())
 
     def _about(self) -> dict[str, Any]:
         scene = self.scene
@@ -128,23 +126,18 @@ class Simulation:
         return about if planar else about | {"condition_number": self.motion.automaton.condition}
 
     def file(self) -> xr.Dataset:
-        """Return the dataset for a file that explains itself: with its drive, its attractor, N and z.
+        """Return the dataset for a file that explains itself: with its attractor, N and z.
 
-        Added to :meth:`dataset`: the parameters of the scene as variables, ``normal_force`` [N],
-        ``coupling_deflection`` [rad], and of the attractor its label, amplitude [rad] and period [s], the last missing
-        unless it is a cycle.
+        Added to :meth:`dataset`: ``normal_force`` [N], ``coupling_deflection`` [rad], and of the attractor its label,
+        amplitude [rad] and period [s], the last missing unless it is a cycle.
         """
         outputs = tuple(dict.fromkeys((*self.scene.outputs, "normal_force", "coupling_deflection")))
         steady = self.attractor
         doubt = {} if steady.doubt is None else {"comment": f"unresolved: {steady.doubt}"}
-        return (
-            self.dataset(outputs)
-            .assign(cf.given(self.scene.parameters().items()))
-            .assign(
-                attractor=cf.flagged((), steady.label, phase_plane.ATTRACTOR, Attractor, **doubt),
-                amplitude=cf.variable((), steady.amplitude, "rad", phase_plane.AMPLITUDE),
-                period=cf.variable((), steady.period, "s", phase_plane.PERIOD, "$T$"),
-            )
+        return self.dataset(outputs).assign(
+            attractor=cf.flagged((), steady.label, phase_plane.ATTRACTOR, Attractor, **doubt),
+            amplitude=cf.variable((), steady.amplitude, "rad", phase_plane.AMPLITUDE),
+            period=cf.variable((), steady.period, "s", phase_plane.PERIOD, "$T$"),
         )
 
     def to_json(self) -> dict[str, Any]:

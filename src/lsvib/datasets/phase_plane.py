@@ -56,6 +56,14 @@ def curve(name: str, dims: cf.Dims, points: np.ndarray, where: str, **more: str)
     return _pair(f"{name}_{{}}", [dims, dims], [points[..., 0], points[..., 1]], *words, **more)
 
 
+def orbits(motions: Sequence[Motion]) -> cf.Variables:
+    """Return limit cycles, a period of each, over ``cycle`` and ``sample``."""
+    # So many points that no picture shows corners, and two at least for each arc.
+    count = max([400, *(2 * (motion.time.size + 1) for motion in motions)])
+    points = np.array([sample(motion, count)[1][:, :2] for motion in motions])
+    return curve("cycle", ("cycle", "sample"), points, "on the limit cycle")
+
+
 def window_edges(name: str, dims: cf.Dims, windows: Any, of: str = "") -> cf.Variables:
     """Return the edges of windows (..., 4) of the phase plane, two along u [rad] and two along u′ [rad/s]."""
     edges, words = np.array(windows), f"edge of the window{of}"

@@ -28,7 +28,7 @@ from lsvib.dynamics.attractor import Attractor
 from lsvib.dynamics.behaviour import Behaviour, behaviours
 from lsvib.dynamics.sweep import all_endings
 from lsvib.errors import EngineError, InputError
-from lsvib.models.drive import Drive, described, names_and_values, require_direction
+from lsvib.models.drive import Drive, names_and_values, require_direction
 from lsvib.models.many import ManyDrives
 from lsvib.models.model import model_of
 from lsvib.models.scene import REST
@@ -72,7 +72,7 @@ def sweep(
         model_of(first).initial_state(first, begin)  # refuses other keys
     found = all_endings(drives, begin if isinstance(begin, dict) else None, at_once, progress)
     return _over(
-        _coordinates(axes),
+        cf.varied(**axes),
         first,
         {name: (tuple(axes), found[name].reshape(sizes), about) for name, about in _VARIABLES.items()},
         title=f"What a lead-screw drive ends on over {', '.join(axes)}",
@@ -149,12 +149,12 @@ def chart(drive: Drive, x: Any, y: Any, workers: Any = 1, progress: numbers.Prog
             "the threads alone comply."
         )
     drive = corners[0]  # with the parts that are varied
-    labels, fixed = charted(drive, x, y, at_once, progress), [pair for pair in drive if pair[0] not in names]
+    labels = charted(drive, x, y, at_once, progress)
     cells = {"label": (names, labels, _LABEL)} | cf.fractions("behaviour", _LABEL["long_name"], Behaviour, labels)
     return _over(
         {one.coordinate: one.variable() for one in (y, x)},
         drive,
-        cf.given(fixed) | _curves(drive, x, y) | cells,
+        _curves(drive, x, y) | cells,
         title=f"What a lead-screw drive does over {x.coordinate} and {y.coordinate}",
         source="lsvib, exact event-driven motions from two starts of the drive in the middle of every cell",
         references="doi:10.1007/978-1-4419-1752-2_8, Sects 8.5-8.7",
@@ -211,16 +211,10 @@ def write_chart(settings: Mapping[str, Any], path: str | os.PathLike[str], worke
     write_dataset(chart(Drive.of(settings["drive"]), x, y, workers), path)
 
 
-def _coordinates(axes: Mapping[str, Sequence[float]]) -> cf.Variables:
-    """Values of parameters as coordinates."""
-    about = {name: described(name) for name in axes}
-    return {n: cf.variable(n, np.array(x), about[n]["unit"], about[n]["long_name"]) for n, x in axes.items()}
-
-
 def _over(coordinates: cf.Variables, drive: Drive, found: cf.Variables, **more: str) -> xr.Dataset:
     """What was found over values of some parameters of a drive, the coordinates; ``more`` attributes."""
-    fixed = ((name, value) for name, value in drive if name not in coordinates)
-    return xr.Dataset(found, coordinates, cf.about_drive(drive, fixed) | more)
+    fixed = [(name, value) for name, value in drive if name not in coordinates]
+    return cf.answer(found | cf.given(fixed), coordinates, cf.about_drive(drive, fixed) | more)
 
 
 def known_key(name: Any, where: str = "") -> None:
@@ -290,7 +284,7 @@ def resilience_sweep(
             progress(k + 1, len(drives))
     columns = table.T.reshape(len(asked), *map(len, axes.values()))
     return _over(
-        _coordinates(axes),
+        cf.varied(**axes),
         drives[0],
         {name: cf.variable(tuple(axes), column, *asked[name][1:]) for name, column in zip(asked, columns, strict=True)},
         title=f"Perturbations that the rigid lead-screw drive tolerates over {', '.join(axes)}",

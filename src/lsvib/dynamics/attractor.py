@@ -27,7 +27,7 @@ No waiting time enters, and nothing depends on other motions.
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from enum import IntEnum, StrEnum
 from typing import NamedTuple
 
@@ -103,11 +103,15 @@ class SteadyState:
 
     label: Attractor
     state: np.ndarray
-    orbit: Motion | None = field(default=None, repr=False)
+    orbit: Motion | None = None
     returns: int = 0
     residual: float = math.nan
     multiplier: float = math.nan
     doubt: Doubt | None = None
+
+    def __repr__(self) -> str:
+        sizes = f"period={self.period:.9g}, amplitude={self.amplitude:.9g}, " if self.orbit else ""
+        return f"SteadyState({self.label.name}, {sizes}state={self.state}, doubt={self.doubt and self.doubt.name})"
 
     @classmethod
     def unresolved(cls, state: np.ndarray, doubt: "Doubt | EngineError") -> "SteadyState":

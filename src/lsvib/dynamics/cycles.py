@@ -48,12 +48,16 @@ class Cycle:
     """
 
     drive: Drive
-    orbit: Motion = field(repr=False)
+    orbit: Motion
     residual: float
     multipliers: np.ndarray
     multiplier_error: float
     found_by: str
-    section: Section = field(repr=False, compare=False)
+    section: Section = field(compare=False)
+
+    def __repr__(self) -> str:
+        size = f"period={self.period:.9g}, amplitude={self.amplitude:.9g}, multipliers={self.multipliers}"
+        return f"Cycle({self.label.name}, {size}, found_by={self.found_by!r}, {self.drive})"
 
     @property
     def state(self) -> np.ndarray:

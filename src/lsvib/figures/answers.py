@@ -1,4 +1,4 @@
-"""Pictures of a user's own answers: a motion, a sweep, a cycle that was followed, a map, a chart.
+"""Pictures of a user's own answers: a motion, a sweep, cycles, one that was followed, a basin, a map, a chart.
 
 A dataset says by its variables what it is, so a file draws itself as well as what was just computed.
 """
@@ -10,24 +10,30 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from lsvib.datasets.attributes import quantity
 from lsvib.datasets.io import read_dataset
+from lsvib.datasets.phase_plane import curve, orbits
 from lsvib.errors import InputError
 from lsvib.figures import attraction, chart, drawing, style
 from lsvib.figures.common import flag_names, named
 from lsvib.models.drive import Drive
+from lsvib.numbers import shown
 
 _STATE = "velocity_deviation"  # which every motion has
+_CAN = "motions, sweeps of one or two parameters, cycles, branches, basins, maps of u and w, and charts can"
+_NUMBERS = "bfiu"  # kinds of types
 _HEIGHT, _EDGE = 1.3, 0.6  # of a panel over time, and of what is around all of them [inch]
 _LOOKS = dict(zip(attraction.COLOURS, "ovs^DP*x", strict=True))  # marks, for readers in grey
 
 
-def draw(answer: xr.Dataset | str | os.PathLike[str]) -> style.Figure:
+def draw(answer: Any) -> style.Figure:
     """Draw what lsvib found, for a first look or a report.
 
-    Arguments: the dataset of a motion, a sweep over one or two parameters, a branch of cycles, a map of starts or a
-    chart, or the path of a file that holds one.
+    Arguments: the dataset of a motion, a sweep over one or two parameters, a map of starts or a chart; what ``cycles``,
+    ``follow`` and ``basin`` of a drive return; or the path of a file that holds a dataset.
 
-    Returns a figure of matplotlib, two columns wide (7.2 inches). Raises ``InputError`` for anything else.
+    Returns a figure of matplotlib, two columns wide (7.2 inches), which a notebook shows. Raises ``InputError`` for
+    anything else.
 
     >>> motion = lsvib.Drive(mass=11, support_damping=1e-3, axial_force=-10).simulate({"u": 0.1, "w": 0}, 0.1)
     >>> figure = lsvib.draw(motion)  # figure.savefig("motion.pdf") writes it
@@ -36,7 +42,9 @@ def draw(answer: xr.Dataset | str | os.PathLike[str]) -> style.Figure:
 
     See also: ``lsvib draw``, of a file in the shell.
     """
-    return _drawn(answer if isinstance(answer, xr.Dataset) else read_dataset(answer))
+    if isinstance(answer, str | os.PathLike):
+        answer = read_dataset(answer)
+    return _drawn(answer if isinstance(answer, xr.Dataset) else _dataset(answer))
 
 
 def open(file: str | os.PathLike[str]) -> xr.Dataset:
@@ -49,32 +57,63 @@ def open(file: str | os.PathLike[str]) -> xr.Dataset:
     return read_dataset(file)
 
 
+def _dataset(answer: Any) -> xr.Dataset:
+    """The dataset of what a method of a drive returned, which has loaded the engine by then."""
+    from lsvib.basins.boundary import Basin
+    from lsvib.datasets.cycles import Cycles, branch_dataset
+    from lsvib.dynamics.continuation import CycleBranch
+
+    if isinstance(answer, CycleBranch):
+        return branch_dataset(answer)
+    steady = {name: ((), 0.0, quantity(name)) for name in ("angle_deviation", "velocity_deviation")}
+    if isinstance(answer, Basin) and answer.curves:
+        return xr.Dataset(steady | curve("boundary", "boundary_point", answer.line(), "on the exact boundary"))
+    if isinstance(answer, Cycles) and answer.cycles:
+        attracting = ("cycle", [cycle.attracting for cycle in answer.cycles])
+        return xr.Dataset(steady | orbits([cycle.orbit for cycle in answer.cycles]) | {"attracting": attracting})
+    empty = {Basin: "a basin without a boundary", Cycles: "what has no cycle"}
+    raise InputError(f"{empty.get(type(answer), shown(answer))} cannot be drawn; {_CAN}.")
+
+
 @style.styled
 def _drawn(dataset: xr.Dataset) -> style.Figure:
-    if "time" in dataset.dims and "event_kind" in dataset and dataset[_STATE].dims == ("time",):
+    """Draw a dataset, which may come from anywhere: what it lacks shows where it is asked for."""
+    try:
+        figure = _picture(dataset)
+        figure.draw_without_rendering()  # whether a symbol is a formula shows here
+    except InputError:
+        raise
+    except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
+        reason = str(error.args[0] if error.args else error).strip().rpartition("\n")[2].partition(". ")[0]
+        reason += " is missing" if isinstance(error, KeyError) and " " not in reason else ""
+        raise InputError(f"the dataset is not as lsvib makes it, so it cannot be drawn: {reason}.") from error
+    return figure
+
+
+def _picture(dataset: xr.Dataset) -> style.Figure:
+    if "event_kind" in dataset and _STATE in dataset and dataset[_STATE].dims == ("time",):
         return _motion(dataset)
     if "attracting" in dataset and "changes" in dataset.attrs:
         return _branch(dataset)
-    if "label" in dataset:
+    if {"label", "cycle_angle", "boundary_angle"} & set(dataset):
         return chart.draw(dataset) if "behaviour" in dataset else attraction.draw(dataset)
-    swept = [name for name in dataset.dims if name in Drive.model_fields]
-    if not 1 <= len(swept) <= 2 or len(swept) != len(dataset.dims):
-        raise InputError(
-            f"a dataset over {', '.join(map(str, dataset.dims)) or 'nothing'} cannot be drawn; motions, sweeps of one "
-            "or two parameters, cycles that were followed, maps of u and w, and charts can."
-        )
-    return _curves(dataset) if len(swept) == 1 else _plane(dataset)
+    swept = tuple(name for name in dataset.dims if name in Drive.model_fields)
+    numbers = [name for name, x in dataset.data_vars.items() if x.dims == swept and x.dtype.kind in _NUMBERS]
+    if not numbers or len(swept) not in (1, 2):
+        raise InputError(f"a dataset over {', '.join(map(str, dataset.dims)) or 'nothing'} cannot be drawn; {_CAN}.")
+    return _curves(dataset[numbers]) if len(swept) == 1 else _plane(dataset[numbers])
 
 
 def _motion(dataset: xr.Dataset) -> style.Figure:
     """A panel for the speed of the screw, and for each quantity that is stored besides the state."""
     time, rate = dataset.time, dataset[_STATE]
-    turning = json.loads(dataset.attrs["parameters"])["input_speed"]
+    turning = float(dataset["input_speed"])
     speed = dataset["screw_speed"] if "screw_speed" in dataset else (rate + turning).assign_attrs(
         long_name="angular speed of the screw", symbol=r"$\dot\theta$", units="rad s-1"
     )  # fmt: skip
     left_out = {"screw_speed", "commanded_speed", "mode", _STATE}
-    others = [x for name, x in dataset.data_vars.items() if x.dims == ("time",) and name not in left_out]
+    stored = [x for x in dataset.data_vars.values() if x.dims == ("time",) and x.dtype.kind in _NUMBERS]
+    others = [x for x in stored if x.name not in left_out]
     figure = style.new_figure(style.DOUBLE, _EDGE + _HEIGHT * (1 + len(others)))
     panels = figure.subplots(1 + len(others), 1, sharex=True, squeeze=False)[:, 0]
     command = dataset["commanded_speed"] if "commanded_speed" in dataset else xr.full_like(time, turning)
@@ -100,9 +139,9 @@ def _motion(dataset: xr.Dataset) -> style.Figure:
 
 def _name(axes: style.Axes, values: xr.DataArray) -> None:
     """Put the words of a quantity above a panel, its symbol and unit beside it."""
-    words, symbol = values.attrs["long_name"], values.attrs.get("symbol", "")
-    axes.set_title(words[:1].upper() + words[1:], fontweight="normal")
-    axes.set_ylabel(f"{symbol} {style.unit(values.attrs['units'])}".strip())
+    words, symbol = values.attrs.get("long_name", str(values.name)), values.attrs.get("symbol", "")
+    axes.set_title(words[:1].upper() + words[1:], fontweight="normal", wrap=True)
+    axes.set_ylabel(f"{symbol} {style.unit(values.attrs.get('units', '1'))}".strip())
 
 
 def _curves(dataset: xr.Dataset) -> style.Figure:

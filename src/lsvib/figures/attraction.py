@@ -57,22 +57,26 @@ class Settings(FigureSettings):
 
 @style.styled
 def draw(dataset: xr.Dataset) -> style.Figure:
-    """Draw the map of u and w with the lines Q = 0 and θ′ = 0, the boundary if known, and the attractors.
+    """Draw the map of u and w, if there is one, with the lines Q = 0 and θ′ = 0, the boundary if known, and cycles.
 
     Raises ``InputError`` for a map of other coordinates.
     """
-    if not {"angle_deviation", "velocity_deviation"} <= set(dataset.label.dims):
+    if "label" in dataset and not {"angle_deviation", "velocity_deviation"} <= set(dataset.label.dims):
         raise InputError("only maps of u and w can be drawn.")
     figure = style.new_figure(style.DOUBLE, 3.8)
     axes = figure.add_subplot()
-    first = draw_map(axes, dataset)
+    first = draw_map(axes, dataset) if "label" in dataset else []
     if "boundary_angle" in dataset:
         boundary = dataset.boundary_angle, dataset.boundary_velocity
         axes.plot(*boundary, color=style.BLACK, linewidth=0.9, label="exact boundary")
     for index in range(dataset.sizes.get("cycle", 0)):
-        drawing.draw_cycle(axes, dataset.isel(cycle=index), style.BLUE, 1.4)
+        one = dataset.isel(cycle=index)
+        repels = "attracting" in one and not one.attracting
+        look = (style.VERMILION, 1.4, "cycle that does not attract") if repels else (style.BLUE, 1.4)
+        drawing.draw_cycle(axes, one, *look)
     drawing.mark_origin(axes)
-    axes.axis(_limits(dataset))
+    if first:
+        axes.axis(_limits(dataset))
     if "contact_line_angle" in dataset:
         drawing.draw_lines(axes, dataset, style.VERMILION, "$Q = 0$")
     drawing.label_axes(axes, dataset)

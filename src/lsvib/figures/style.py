@@ -6,6 +6,8 @@ Importing this loads no matplotlib, so a figure, whose dataset is built without 
 import re
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from functools import partial
+from io import BytesIO
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -86,13 +88,21 @@ def new_figure(width: float = SINGLE, height: float = 2.8) -> Figure:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    return FigureCanvasAgg(Figure(figsize=(width, height))).figure
+    figure = FigureCanvasAgg(Figure(figsize=(width, height))).figure
+    figure._repr_png_ = partial(_png, figure)  # by which notebooks show what is none of pyplot's
+    return figure
+
+
+def _png(figure: Figure) -> bytes:
+    with _look(), BytesIO() as file:
+        figure.savefig(file, format="png", dpi=144)
+        return file.getvalue()
 
 
 def label(variable: xr.DataArray, name: str | None = None) -> str:
     """Return an axis label "Long name symbol [unit]" from a variable's metadata; ``name`` replaces the long name."""
-    text = name or variable.attrs["long_name"]
-    parts = [text[:1].upper() + text[1:], variable.attrs.get("symbol", ""), unit(variable.attrs["units"])]
+    text = name or variable.attrs.get("long_name", str(variable.name))
+    parts = [text[:1].upper() + text[1:], variable.attrs.get("symbol", ""), unit(variable.attrs.get("units", "1"))]
     return " ".join(part for part in parts if part)
 
 
