@@ -145,7 +145,7 @@ def parameter(name: str, origin: str, **more: Any) -> dict[str, Any]:
 def given(values: Iterable[tuple[str, Any]]) -> Variables:
     """Return names and values of a drive's parameters as variables; all but the defaults were given."""
     default, places = {name: field.default or 0.0 for name, field in Drive.model_fields.items()}, tuple(chapter.STATED)
-    origins = ((n, x, GIVEN if x != default[n] else origin_of(n, x, places)) for n, x in values)
+    origins = ((n, x, GIVEN if x != default.get(n, 0.0) else origin_of(n, x, places)) for n, x in values)
     return {name: ((), value, parameter(name, origin)) for name, value, origin in origins}
 
 
