@@ -12,7 +12,7 @@ import pickle
 import re
 import subprocess
 import sys
-from dataclasses import fields, is_dataclass
+from dataclasses import fields
 from importlib.util import find_spec
 from operator import methodcaller
 from pathlib import Path
@@ -62,7 +62,6 @@ def test_every_public_name_is_there():
 
 def test_results_say_their_units():
     for kind in (lsvib.StabilityReport, lsvib.Threshold, lsvib.Quantity, lsvib.Condition, lsvib.UndampedStability):
-        assert is_dataclass(kind)
         assert kind.__dataclass_params__.frozen
         missing = [field.name for field in fields(kind) if f"``{field.name}``" not in kind.__doc__]
         assert missing in ([], ["name"])
@@ -71,21 +70,18 @@ def test_results_say_their_units():
 def test_drives_are_values():
     for drive in random_drives(200):
         same = type(drive)(**drive.model_dump())
-        assert drive == same
-        assert hash(drive) == hash(same)
-        assert drive == pickle.loads(pickle.dumps(drive)) == copy.deepcopy(drive) == drive.replace()
-        assert type(pickle.loads(pickle.dumps(drive))) is type(drive)
-        text = repr(drive)
+        again = [same, pickle.loads(pickle.dumps(drive)), copy.deepcopy(drive), drive.replace()]
+        assert {*again} == {drive}
+        assert {type(one) for one in again} == {type(drive)}
+        text = str(drive)
         assert eval(text, vars(api)) == drive
-        assert str(drive) == text
         shown = dict(re.findall(r"(\w+)=([^,)]+)", text))
         default = type(drive)()
         assert set(shown) == {key for key, value in drive if value != getattr(default, key)}
         changed = drive.replace(mass=2 * drive.mass)
         assert changed != drive
         assert drive not in {changed}
-    assert lsvib.Drive(mass=9) == Drive(mass=9.0)
-    assert hash(lsvib.Drive(mass=9)) == hash(Drive(mass=9.0))
+    assert {lsvib.Drive(mass=9)} == {Drive(mass=9.0)}
     assert lsvib.Drive() not in (threads_drive(), {})
     assert repr(lsvib.Drive(axial_force=-0.0)) == "Drive(axial_force=0.0)"
 
@@ -140,9 +136,8 @@ def test_examples_of_docstrings_and_documentation():
     page = ROOT / "docs" / "python.md"
     result = doctest.testfile(str(page), module_relative=False)
     assert (failed, result.failed) == (0, 0)
-    text = page.read_text(encoding="utf-8")
+    text, methods = page.read_text(encoding="utf-8"), [name for name in vars(api.DriveMethods) if name[0] != "_"]
     assert result.attempted > 0
-    methods = [name for name in vars(api.DriveMethods) if not name.startswith("_")]
     assert [name for name in (*lsvib.__all__, *methods) if name not in text] == []
 
 
@@ -172,14 +167,13 @@ def test_a_type_checker_sees_the_types(tmp_path):
     assert set(re.findall(r"wrong\.py:(\d+): error", done.stdout)) == {"2", "3", "4"}
 
 
-KNOWN = PARADOX
 FAR = [0.5, -40.0]
 ANSWERS = {
-    "Automaton": lambda: rigid_automaton(KNOWN),
-    "Motion": lambda: follow(rigid_automaton(KNOWN), FAR, 1.0),
-    "SteadyState": lambda: steady_state(rigid_automaton(KNOWN), FAR),
-    "Cycle": lambda: KNOWN.cycles().cycles[0],
-    "Basin": lambda: basin(KNOWN),
+    "Automaton": lambda: rigid_automaton(PARADOX),
+    "Motion": lambda: follow(rigid_automaton(PARADOX), FAR, 1.0),
+    "SteadyState": lambda: steady_state(rigid_automaton(PARADOX), FAR),
+    "Cycle": lambda: PARADOX.cycles().cycles[0],
+    "Basin": lambda: basin(PARADOX),
 }
 
 

@@ -127,10 +127,6 @@ def test_installed_command_and_help(run):
         assert "Example" in shown
 
 
-ROOT = Path(__file__).parents[2]
-SETTINGS = read_yaml(DEFAULT)
-
-
 def test_links_are_followed_and_old_results_replaced(run, tmp_path):
     (tmp_path / "deep").mkdir()
     (tmp_path / "x.nc").symlink_to("deep/real.nc")  # of a file that is not there yet
@@ -261,5 +257,5 @@ def test_a_full_or_closed_standard_output_ends_in_one_sentence():
 
 
 def test_the_settings_of_the_package_are_those_of_the_repository():
-    assert DEFAULT.read_bytes() == (ROOT / "config" / "config.yaml").read_bytes()
-    check(SETTINGS)
+    assert DEFAULT.read_bytes() == CONFIG.read_bytes()
+    check(read_yaml(DEFAULT))

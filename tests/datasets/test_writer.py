@@ -122,53 +122,31 @@ def test_json_has_no_nan(tmp_path):
     assert os.listdir(tmp_path) == []
 
 
-ROWS, COLUMNS = 37, 58
-LABELS = {"flag_values": np.array([-1, 0, 2], np.int8), "flag_meanings": "unresolved steady cycle"}
-METADATA = {"title": "test", "source": "test", "references": "none"}
-
-
-def whole(rows=ROWS, columns=COLUMNS):
-    """A map with all labels, and times of which some are missing."""
-    u, w = np.linspace(-1, 1, columns), np.linspace(-2, 2, rows)
-    distance = np.hypot(u, w[:, None])
-    label = np.select([distance > 2, distance < 1], [-1, 0], 2).astype(np.int8)
-    time = np.where(label < 0, np.nan, distance)
-    return xr.Dataset(
-        {
-            "label": (("w", "u"), label, {"units": "1", "long_name": "attractor", **LABELS}),
-            "time": (("w", "u"), time, {"units": "s", "long_name": "time"}),
-            "mass": ((), 11.0, {"units": "kg", "long_name": "mass"}),
-        },
-        coords={
-            "w": ("w", w, {"units": "rad s-1", "long_name": "rate", "cell_width": 4 / (rows - 1)}),
-            "u": ("u", u, {"units": "rad", "long_name": "deviation", "cell_width": 2 / (columns - 1)}),
-        },
-        attrs=METADATA,
-    )
+MAPPED = lsvib.Drive(mass=11.0, support_damping=1e-3, axial_force=-10.0)
 
 
 def test_overview_takes_the_middle_of_each_block(tmp_path):
-    full = whole()
+    full = MAPPED.attraction({"u": (-0.1, 0.1, 58), "w": (-50, 50, 37)}, quantities=["time"])
     write_dataset(full, tmp_path / "map.nc")
     coarse = overview(tmp_path / "map.nc", most=15)
-    expected = full.isel(w=slice(1, 36, 3), u=slice(2, 55, 5))  # 12 whole blocks of 3 rows, 11 of 5 columns
-    assert coarse.label.values.tolist() == expected.label.values.tolist()
-    for name, step in (("w", 3), ("u", 5)):
-        assert coarse[name].cell_width == pytest.approx(np.diff(coarse[name].values).mean(), rel=1e-12)
-        assert coarse[name].values.tolist() == full[name].values[step // 2 : coarse.sizes[name] * step : step].tolist()
+    blocks = {"velocity_deviation": (slice(1, 36, 3), 3), "angle_deviation": (slice(2, 55, 5), 5)}  # 12 whole ones, 11
+    expected = full.isel({name: middles for name, (middles, _) in blocks.items()})
+    for name in ("label", "settling_time", *blocks):
+        np.testing.assert_array_equal(coarse[name], expected[name])
+    for name, (_, cells) in blocks.items():
+        assert coarse[name].cell_width == cells * full[name].cell_width
+    assert len(np.unique(expected.label)) == 2
     assert overview(tmp_path / "map.nc").drop_attrs().identical(full.drop_attrs())
 
 
 def test_a_map_in_tiles_is_the_map(tmp_path):
     span = {"start": -0.3, "stop": 0.3, "count": 7}, {"start": -150.0, "stop": 150.0, "count": 5}
-    drive = {"mass": 11.0, "support_damping": 1e-3, "axial_force": -10.0}
-    settings = {"drive": drive, "grid": dict(zip("uw", span, strict=True)), "quantities": ["label", "time"]}
+    settings = {"drive": dict(MAPPED), "grid": dict(zip("uw", span, strict=True)), "quantities": ["label", "time"]}
     tiles = [tmp_path / f"{k}-of-3.nc" for k in range(1, 4)]
     for tile in tiles:
         map_tile(settings, tile.stem, tile)
     gather_map(settings, tiles, tmp_path / "map.nc")
-    one = lsvib.Drive(**drive).attraction(settings["grid"], quantities=["time"])
-    write_dataset(one, tmp_path / "one.nc")
+    write_dataset(MAPPED.attraction(settings["grid"], quantities=["time"]), tmp_path / "one.nc")
     assert read_dataset(tmp_path / "map.nc").identical(read_dataset(tmp_path / "one.nc"))
     tiles[1].unlink()
     with pytest.raises(lsvib.InputError, match=r"2-of-3\.nc does not exist"):

@@ -12,7 +12,6 @@ from lsvib.datasets.io import write_dataset
 from lsvib.errors import InputError
 
 DRIVE = lsvib.Drive(mass=11, support_damping=1e-3, axial_force=-10)
-COMMAND = {"times": [0, 0.1, 0.2], "speeds": [0, 40, 0]}
 
 
 def branch() -> xr.Dataset:
@@ -22,7 +21,7 @@ def branch() -> xr.Dataset:
 
 ANSWERS = {  # what makes it, panels with data, words and units that they show
     "motion": (
-        lambda: DRIVE.simulate("rest", 0.3, command=COMMAND, outputs=("normal_force",)), 3,
+        lambda: DRIVE.simulate("rest", 0.3, command={"times": [0, 0.2], "speeds": [0, 9]}, outputs=["normal_force"]), 3,
         ["Angular speed of the screw", "[rad s⁻¹]", "Normal force of the threads", "[N]", "Time"],
     ),
     "sweep": (lambda: DRIVE.sweep(axial_force=[-60, -10, 10]), 5, ["Amplitude", "[rad]", "Axial force", "[N]"]),
@@ -61,8 +60,8 @@ def test_an_answer_and_its_file_are_drawn_alike(kind, tmp_path):
         assert (raw.Conventions, raw.lsvib_version) == ("CF-1.11", lsvib.__version__)
         assert [name for name in dataset.coords if "_FillValue" in raw[name].attrs] == []
         assert raw.pitch_radius.origin == "printed: Table 8.1"
-        changed = ("mass", "support_damping", "axial_force")
-        assert {raw[name].origin.partition(":")[0] for name in changed} <= {"given", "varied"}
+        origins = {raw[name].origin.partition(":")[0] for name in ("mass", "support_damping", "axial_force")}
+        assert origins <= {"given", "varied"}
 
 
 @pytest.mark.parametrize("ask", ["cycles", "basin"])
@@ -74,23 +73,25 @@ def test_what_a_method_returns_is_drawn_and_shown_by_a_notebook(ask):
         lsvib.draw(getattr(lsvib.Drive(), ask)())  # steady sliding attracts all
 
 
-SPOILED = [  # kind, what is done to it, and the sentence, or nothing where there is a picture
+SPOILED = [  # kind, what is done to it, and what the sentence says, or nothing where there is a picture
+    ("motion", lambda x: xr.Dataset(), "a dataset over nothing cannot be drawn; motions, sweeps"),
     ("motion", lambda x: x.drop_vars("mode"), "mode"),
-    ("motion", lambda x: x.drop_vars("input_speed"), "input_speed"),
     ("motion", lambda x: (x["mode"].attrs.pop("flag_meanings"), x)[1], "flag_meanings is missing"),
     ("motion", lambda x: (x.normal_force.attrs.update(symbol=r"$\frac{$"), x)[1], "ParseException|Expected"),
     ("motion", lambda x: x.assign(own=("time", 2 * x.time.values), words=("time", x.time.values.astype(str))), ""),
     ("sweep", lambda x: x.assign(own=("other", [1.0, 2.0]), more=x.amplitude.drop_attrs()), ""),
+    ("plane", lambda x: x.expand_dims(support_damping=[1e-3, 2e-3]), "cannot be drawn; motions, sweeps"),
     ("branch", lambda x: x.assign_attrs(changes="{"), "Expecting property name"),
     ("chart", lambda x: x.drop_vars("fraction"), "fraction"),
-    ("map", lambda x: x.isel(angle_deviation=slice(0, 0)), "cannot be drawn"),
+    ("map", lambda x: x.isel(angle_deviation=slice(0, 0)), "not as lsvib makes it, so it cannot be drawn"),
+    ("map", lambda x: x.rename(angle_deviation="thread_mismatch"), "only maps of u and w can be drawn"),
 ]  # fmt: skip
 
 
 @pytest.mark.parametrize(("kind", "spoil", "words"), SPOILED)
 def test_a_dataset_that_is_not_as_it_was_made_is_drawn_or_refused_in_a_sentence(kind, spoil, words):
     spoiled = spoil(ANSWERS[kind][0]())
-    with pytest.raises(InputError, match=f"the dataset is not as .*({words}).*\\.$") if words else nullcontext():
+    with pytest.raises(InputError, match=f"({words}).*\\.$") if words else nullcontext():
         lsvib.draw(spoiled)
 
 
@@ -102,13 +103,3 @@ def test_a_motion_shows_speed_command_rest_and_seizures():
     assert len(lines["seizure"].get_xdata()) == int((motion.event_normal_impulse != 0).sum()) > 0
     (drawn,) = (line.get_ydata() for line in speed.get_lines() if line.get_label().startswith("_"))
     np.testing.assert_allclose(drawn, motion.velocity_deviation + 40)
-
-
-def test_what_cannot_be_drawn_is_refused():
-    for dataset in (xr.Dataset(), DRIVE.sweep(axial_force=[1, 2], mass=[1, 2], support_damping=[1e-3, 2e-3])):
-        with pytest.raises(InputError, match="cannot be drawn; motions, sweeps"):
-            lsvib.draw(dataset)
-    plane = lsvib.Drive(contact_stiffness=1e8, contact_damping=1e6)
-    found = plane.attraction({"u": (-0.1, 0.1, 2), "e": (-1e-6, 1e-6, 2), "w": 0.0, "v": 0.0})
-    with pytest.raises(InputError, match="only maps of u and w"):
-        lsvib.draw(found)
