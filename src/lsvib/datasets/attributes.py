@@ -22,15 +22,11 @@ Dims = str | tuple[str, ...]
 Variable = tuple[Dims, Any, dict[str, Any]]  # as xarray.Dataset takes one
 Variables = dict[str, Variable]
 Words = Iterable[IntEnum] | Mapping[int, str] | Sequence[str]
-
 CONVENTIONS = "CF-1.11"
 
 
 def answer(found: Variables, coordinates: Variables, about: Mapping[str, Any]) -> xr.Dataset:
-    """Return what was found as a dataset that says what made it, and that ``to_netcdf`` writes as CF.
-
-    CF has no fill values on coordinates.
-    """
+    """Return what was found as a dataset that says what made it and is CF, which has no fill values on coordinates."""
     made = {"Conventions": CONVENTIONS, "history": f"made by lsvib {__version__}", "lsvib_version": __version__}
     return xr.Dataset(found, {n: (*own, {"_FillValue": None}) for n, own in coordinates.items()}, {**about, **made})
 

@@ -32,8 +32,7 @@ def draw(answer: Any) -> style.Figure:
     Arguments: the dataset of a motion, a sweep over one or two parameters, a map of starts or a chart; what ``cycles``,
     ``follow`` and ``basin`` of a drive return; or the path of a file that holds a dataset.
 
-    Returns a figure of matplotlib, two columns wide (7.2 inches), which a notebook shows. Raises ``InputError`` for
-    anything else.
+    Returns a figure of matplotlib, 7.2 inches wide, which a notebook shows. Raises ``InputError`` for anything else.
 
     >>> motion = lsvib.Drive(mass=11, support_damping=1e-3, axial_force=-10).simulate({"u": 0.1, "w": 0}, 0.1)
     >>> figure = lsvib.draw(motion)  # figure.savefig("motion.pdf") writes it
