@@ -78,7 +78,7 @@ class Basin:
         return [clip(self.flow, curve, window) for curve in self.curves or [everything]]
 
     def line(self, window: Part | None = None, count: int = 100) -> np.ndarray:
-        """Return points (n, 2) of the boundary in a window, by default around its bends, NaN where it is interrupted."""
+        """Return points (n, 2) of the boundary in a window, by default around its bends, NaN where it breaks off."""
         if window is None:
             points = sampled(self.flow, self.curves)
             low, high = (end(points[np.isfinite(points).all(axis=1)], axis=0) for end in (np.min, np.max))

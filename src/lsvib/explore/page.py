@@ -222,7 +222,7 @@ class Page:
             size = len(values) if answers.at_once(view.drive) else 6
             for first in range(0, len(values), size):
                 parts.append(await found(answers.curves, view, values[first : first + size]))
-                curves = [xr.concat(sweeps, view.over) for sweeps in zip(*parts, strict=True)]
+                curves = [xr.concat(sweeps, view.over, data_vars="minimal") for sweeps in zip(*parts, strict=True)]
                 draw(self.plots.draw_curve, curves)
             draw(self._say_words, curves)
         except CancelledError:
