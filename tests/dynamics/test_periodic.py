@@ -379,7 +379,7 @@ def test_stick_slip_ends_where_its_slip_just_comes_to_rest(values, parameter, sp
 
 def test_branch_is_written():
     branch = NEAR_FOLD.follow(NEAR_FOLD.cycles().cycles[0], "axial_force", (-18.38, -18.36), points=30)
-    data = branch_dataset(NEAR_FOLD, branch)
+    data = branch_dataset(branch)
     assert data.sizes["point"] == len(branch.points)
     assert data.axial_force.units == "N"
     assert json.loads(json.dumps(branch_json(branch)))["changes"][0]["kind"] == "end"
