@@ -223,7 +223,7 @@ def changes_that_help(seeds) -> int:
 
 @pytest.mark.parametrize("seeds", sizes([range(3)], [range(100, 105)], [range(105, 150)]), ids=len)
 def test_advice_does_what_it_says(seeds):
-    assert changes_that_help(seeds) >= 2 * len(seeds)
+    assert changes_that_help(seeds) > len(seeds)
 
 
 def test_the_chart_is_from_rest():

@@ -97,7 +97,7 @@ def test_a_whole_assessment_with_all_that_rubs():
     assert light.starting.jerks is False
     bare = {key: value for key, value in DRIVE.items() if key != "bearing"}
     assert assess(Sheet.of(bare), samples=64).verdict == "steady"
-    assert not lets_go(found.draw, {"friction_coefficient": 0.14})
+    assert not lets_go(found.draw, found.draw.changed(friction_coefficient=0.14))
 
 
 GAINS = {"inertia": "2e-6 kg*m^2", "speed_gain": "1e-4 N*m*s/rad", "integral_gain": "0.0224 N*m/rad"}

@@ -32,7 +32,8 @@ def test_with_a_light_screw_on_a_stiff_coupling_it_is_a_block():
     assert abs(block - 1.7015e-3) < 1e-7
     draw = Draw.of(SHEET).changed(coupling_stiffness=1e6, screw_inertia=1e-6, screw_mass=1e-3)
     for direction in (1, -1):
-        runs = [Starts(law=False).evenly(draw.at(direction, part * block / draw.travel, 0.0)) for part in (0.999, 1.001)]
+        there = [draw.at(direction, part * block / draw.travel, 0.0) for part in (0.999, 1.001)]
+        runs = [Starts(law=False).evenly(one) for one in there]
         assert runs == [False, True]
 
 
@@ -47,7 +48,8 @@ def test_the_report_says_below_which_speed_the_slide_jerks_and_what_ends_it():
         motion = lsvib.Drive.of(drive).simulate("rest", 1.0)
         assert (motion.event_time.values.max() > 0.5) == (part < 1)
     ends = {row.quantity: row.value for row in found.changes}
-    assert abs(ends["slide_static_friction"] - (736 + 245 / 1.712)) < 1  # the speed is in proportion to what is shed
+    # The speed is in proportion to what is shed; a change is rounded up to the two digits that are printed.
+    assert 0 < (736 + 245 / 1.712) - ends["slide_static_friction"] < 0.01 * (736 + 245)
     assert ends.keys() >= {"speed", "axial_support_damping"}
     assert "from 10.3 rpm (1.71 mm/s at the load) on it runs evenly" in brief(found)[0]
-    assert "friction of the guide at rest 10.4 % smaller" in brief(found)[-1]
+    assert "friction of the guide at rest 11 % smaller" in brief(found)[-1]

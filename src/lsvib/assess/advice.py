@@ -78,19 +78,23 @@ def _sides(draw: Draw, name: str, edge: Margin | None) -> list[list[float]]:
 def _along(asker: "_Asker", name: str, keys: tuple[str, ...], factors: list[float]) -> Change | None:
     """The smallest change towards some factors that ends all, or else the first that makes steady running stable."""
     partial, before = None, 1.0
+
+    def printed(factor: float) -> float:
+        """Return a factor as it is printed; friction at rest is not below that of slow sliding."""
+        return max(_rounded(factor), factors[-1]) if name in STATIC else _rounded(factor)
+
     for factor in factors:
-        left = asker.left(asker.draw.scaled(keys, _rounded(factor)))
+        left = asker.left(asker.draw.scaled(keys, printed(factor)))
         if left in ("", "knock"):
             bad, good = before, factor
             while abs(math.log(good / bad)) > _CLOSE * abs(math.log(good)):
                 middle = math.sqrt(good * bad)
                 ends = asker.left(asker.draw.scaled(keys, middle)) in ("", "knock")
                 bad, good = (bad, middle) if ends else (middle, good)
-            rounded = _rounded(good) if factor != factors[-1] or name not in STATIC else good
-            left = asker.left(asker.draw.scaled(keys, rounded))
-            return _change(asker.draw, name, keys, rounded, left) if left in ("", "knock") else None
+            left = asker.left(asker.draw.scaled(keys, printed(good)))
+            return _change(asker.draw, name, keys, printed(good), left) if left in ("", "knock") else None
         if left != "vibrates" and partial is None:
-            partial = _change(asker.draw, name, keys, _rounded(factor), left)
+            partial = _change(asker.draw, name, keys, printed(factor), left)
         before = factor
     return partial
 
@@ -101,13 +105,13 @@ def _change(draw: Draw, name: str, keys: tuple[str, ...], factor: float, left: s
 
 def _rounded(factor: float) -> float:
     """Return a factor whose change has two digits, as it is printed, and is no smaller."""
-    return _up(factor) if factor >= 2 else 1 + math.copysign(_up(abs(factor - 1)), factor - 1)
+    return _up(factor) if factor >= 2 else round(1 + math.copysign(_up(abs(factor - 1)), factor - 1), 12)
 
 
 def _up(size: float) -> float:
     """Return a size rounded up to two digits."""
     step = 10.0 ** (math.floor(math.log10(max(size, 1e-12))) - 1)
-    return math.ceil(size / step * (1 - 1e-9)) * step
+    return float(f"{math.ceil(size / step * (1 - 1e-9)) * step:.2g}")
 
 
 class _Asker:
