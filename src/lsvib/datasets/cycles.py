@@ -106,10 +106,10 @@ def find_cycles(drive: Drive, automaton: Automaton) -> Cycles:
             mode, start = enter(automaton, state_on(basin.flow, arcs[0], 0.5 * arcs[0].duration))
             known = cycle_from(drive, automaton, start, mode, len(arcs), "boundary of the basin")
     model = model_of(drive)
-    given = [{"u": u, "w": w} for u, w in starts(drive)] + random_starts(drive)
+    given = [{"u": u, "w": w} for u, w in starts(drive)]
     if "motor" in drive.parts:  # the starts leave the motor at steady sliding; here all stands
         given.append(model.from_rest(drive))
-    states = [model.initial_state(drive, start) for start in given]
+    states = [model.initial_state(drive, start) for start in given] + random_starts(drive)
     found = search(drive, automaton, states, known)
     if not found.cycles and len(found.unresolved) == len(states):
         why = "; ".join(sorted(set(found.unresolved)))

@@ -28,8 +28,9 @@ from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels.layout import ACCUMULATION_KIND, GRAZE_KIND, TIME_SCALE, TaylorFlow
 from lsvib.engine.motion import Budget, Motion, follow
 from lsvib.errors import EngineError
-from lsvib.models.drive import Drive
+from lsvib.models.drive import PARTS, Drive
 from lsvib.models.mechanics import coefficients
+from lsvib.models.mechanism import seated_state
 from lsvib.models.model import model_of
 
 _HALVINGS = 60  # of a bracket in which Newton's method fails: to the last bit
@@ -232,16 +233,23 @@ def starts(drive: Drive) -> list[tuple[float, float]]:
     return [(1e-3 * u, 0.0), (u, 0.0), (-u, 0.0), *standing, (10 * u, w), (-10 * u, -w)]
 
 
-def random_starts(drive: Drive) -> list[dict[str, float]]:
-    """Return starts of a drive whose nut may turn, whose cycles may attract little of the space of four states.
+def random_starts(drive: Drive) -> list[np.ndarray]:
+    """Return starts (n) around steady sliding of a drive with parts, whose cycles may attract little of its states.
 
-    They are drawn from boxes of half a swing of the screw to 2.8 of them either way, the same in every run.
+    They are drawn, the same in every run, from boxes of half to eight times what the bodies do in a swing with the speed
+    of the motor, of the screw or, if that is faster, their own; the screw also by what twists its coupling.
     """
-    if "nut_rate" not in model_of(drive).optional:
+    if not drive.parts:
         return []
-    draw, names = np.random.default_rng(0), ("u", "w", "nut_angle", "nut_rate")
-    points = draw.uniform(-1.0, 1.0, (96, 4)) * 2.0 ** draw.uniform(-1.0, 1.5, (96, 1)) * np.tile(swing(drive), 2)
-    return [dict(zip(names, point.tolist(), strict=True)) for point in points]
+    (angle, rate), lever = swing(drive), drive.pitch_radius * math.tan(drive.lead_angle)
+    sizes = [angle + abs(float(coefficients(drive).deflection)), rate]
+    for part in drive.parts:
+        inertia, stiffness = (getattr(drive, name) for name in ("mass", *PARTS[part])[-3:-1])
+        along = 1.0 if part in ("motor", "nut") else lever
+        sizes += [along * min(rate * math.sqrt(inertia / stiffness), angle), along * rate]
+    draw = np.random.default_rng(0)
+    boxes = 2.0 ** draw.uniform(-1.0, 3.0, (96, 1)) * sizes
+    return list(seated_state(drive, 0.0, 0.0) + draw.uniform(-1.0, 1.0, boxes.shape) * boxes)
 
 
 @dataclass(frozen=True)
@@ -267,9 +275,9 @@ def search(drive: Drive, automaton: Automaton, states: Iterable[np.ndarray], kno
     _add(found, known)
     endings: list[tuple[np.ndarray, SteadyState]] = []
     for state in states:
-        # less work for a start once another one remained unresolved
-        lost = any(steady.label == Attractor.UNRESOLVED for _, steady in endings)
-        steady = steady_state(automaton, state, max_events=30_000 if lost else 300_000)
+        # so that unresolved starts, however many, take less than twice the work of one
+        lost = sum(steady.label == Attractor.UNRESOLVED for _, steady in endings)
+        steady = steady_state(automaton, state, max_events=300_000 // (1 + lost) ** 2)
         endings.append((state, steady))
         if steady.label == Attractor.NEUTRAL_FAMILY:
             families = families or [steady]
