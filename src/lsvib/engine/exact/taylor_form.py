@@ -135,7 +135,9 @@ def settled_region(
     force, unit = _dot(mode.contact, whole), np.eye(n)
     pressed = (mu / one)[..., None] * mode.contact[..., :-1] + (slope * force)[..., None] * mode.speed[..., :-1]
     matrix = _numbers(mode.field[..., :-1] + mode.push[..., :, None] * pressed[..., None, :])
-    stable = (reach > 0) & (np.linalg.eigvals(matrix).real.max(axis=-1) < 0)
+    values = np.linalg.eigvals(matrix)
+    # a damping that is no more than the rounding of the rates is none, and leaves the equation of S without a solution
+    stable = (reach > 0) & (values.real.max(axis=-1) < -1e-14 * abs(values).max(axis=-1))
     matrix = np.where(stable[..., None, None], matrix, -unit)
     sizes = np.abs(np.linalg.eig(matrix)[1]).max(axis=-1)  # of the coordinates to each other
     weight = unit / sizes[..., None, :] ** 2
