@@ -84,7 +84,8 @@ class Model:
         self.equations = ", ".join(_EQUATIONS[part] for part in parts if part in _EQUATIONS) or "eqs 8.13-8.17"
         general = "Γ₊ = I_eff − ξ₊ tan λ m_eff r_m² = 0 with the reduced inertia and mass (eqs 8.20, 8.28, 8.33)"
         self.constraint = _CONSTRAINT.get(parts, general)
-        self.thresholds = thresholds.names(self.rigid)
+        names = thresholds.names(self.rigid)
+        self.thresholds = names if parts else tuple(name for name in names if name != "flutter")
         self.curves: tuple[str, ...] = ("flutter",) if parts == ("threads",) else ()
         if self.rigid:
             self.curves = thresholds.names(rigid=True, drawn=True)

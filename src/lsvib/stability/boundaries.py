@@ -9,7 +9,7 @@ friction depends. They, and why a list of their roots is complete, stand in docs
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import islice, pairwise
 from typing import Any
 
 from flint import arb, fmpq, fmpq_poly
@@ -21,7 +21,7 @@ from lsvib.models.mechanics import LinearParts, net_force
 from lsvib.models.model import model_of
 from lsvib.stability import spectrum
 from lsvib.stability.solve import Equations, allowed, isolated_roots
-from lsvib.stability.spectrum import SAME, Polynomial, margins
+from lsvib.stability.spectrum import SAME, Polynomial, each_margin, margins
 
 NAMES = ("onset", "kinematic_constraint", "negative_damping", "flutter")
 """Thresholds that are roots of these equations."""
@@ -137,7 +137,9 @@ def _margins(drive: Drive, law: int, neutral: bool, sloped: bool) -> list[RootCo
             words[0] = model.constraint
 
     def condition(which: int, text: str) -> RootCondition:
-        return RootCondition(text, lambda values, t, sense: margins(_polynomial(values, law, t), neutral)[which])
+        return RootCondition(
+            text, lambda values, t, sense: next(islice(each_margin(_polynomial(values, law, t), neutral), which, None))
+        )
 
     return [condition(k, text) for k, text in enumerate(words)]
 
@@ -289,11 +291,11 @@ class Line:
             for condition, roots in self._margin_roots(law):
                 depends |= roots is not None
                 candidates += [(x, condition) for x in roots or [] if self.law(x) == law and self.rubs(x)]
-        candidates = sorted(((x, c) for x, c in candidates if x), key=lambda at: at[0])
         cuts: list[tuple[fmpq, RootCondition]] = []
-        for x, condition in candidates:
-            if not cuts or x - cuts[-1][0] > SAME * x:
+        for x, condition in candidates:  # of conditions that vanish together the first, as determinants have double roots
+            if x and all(abs(x - other) > SAME * x for other, _ in cuts):
                 cuts.append((x, condition))
+        cuts.sort(key=lambda cut: cut[0])
         edges = [fmpq(0), *(x for x, _ in cuts), self.limit]
         parts = [(a, b, self.stable(self.between(a, b))) for a, b in pairwise(edges)]
         changed = [cut for cut, before, after in zip(cuts, parts, parts[1:], strict=False) if before[2] != after[2]]

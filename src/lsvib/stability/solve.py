@@ -18,6 +18,7 @@ from flint import arb, arb_mat, arb_poly, arb_series, fmpq
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.errors import EngineError, InputError, NoThreshold
 from lsvib.models.drive import PART_OF, PARTS, Drive, zero_if_close
+from lsvib.stability.spectrum import SAME
 
 Equations = Callable[[Mapping[str, Any], Sequence[Any]], Sequence[Any]]
 """F as a function of the parameters by name and the inner unknowns, all of them balls or power series."""
@@ -83,7 +84,8 @@ def isolated_roots(function: Callable[[Any], Any], low: fmpq, high: fmpq) -> lis
     The function is of a ball or a power series. On a box of the half-width r about its middle m it is a Taylor
     polynomial of h = x − m, |h| <= r, whose coefficients are those of m, but for the last one, which is that of the
     whole box. Where this holds no zero there is no root; where its derivative has none there is one exactly if the ends
-    of the box differ in sign; other boxes are halved. To be called with many digits. Raises ``NoThreshold`` where roots
+    of the box differ in sign; other boxes are halved. Roots that lie closer together than ``SAME`` count as one, and as
+    none where the sign is the same on both sides. To be called with many digits. Raises ``NoThreshold`` where roots
     cannot be told apart.
     """
 
@@ -115,8 +117,15 @@ def isolated_roots(function: Callable[[Any], Any], low: fmpq, high: fmpq) -> lis
                 roots.append(arb(bracketed_root(value, arb(a), arb(b), _CLOSE)).mid().fmpq())
             if ends != 0:  # for certain
                 continue
+        if b - a < SAME * a:
+            low, high = a * (1 - 2 * SAME), b * (1 + 2 * SAME)
+            if value(low) * value(high) < 0 and not (roots and roots[-1] > low):
+                roots.append((a + b) / 2)
+            continue
         boxes += [((a + b) / 2, b), (a, (a + b) / 2)]
-    raise NoThreshold("two roots of an equation of the threshold lie too close together to be told apart.")
+    raise NoThreshold(
+        "the roots of an equation of the threshold cannot be told apart: two lie close together, or it all but vanishes."
+    )
 
 
 def _series(function: Callable[[Any], Any], x: arb, order: int) -> list[arb]:

@@ -16,6 +16,7 @@ exponential of the law are enclosed like t, and the class is taken if it is the 
 
 from collections.abc import Iterator, Mapping
 from enum import IntEnum
+from functools import cache
 from types import SimpleNamespace
 from typing import Any
 
@@ -237,6 +238,7 @@ def hurwitz(p: tuple[Any, ...], order: int = 3, same: bool = False) -> Any:
         inner = third * fourth + turned * second * fifth
         return second * inner + turned * first * fourth**2 + sixth * first * second
 
+    @cache
     def minor(column: int, rows: tuple[int, ...]) -> Any:
         """The determinant of some rows, from a column on."""
         if not rows:
@@ -258,14 +260,19 @@ def margins(p: Polynomial, neutral: bool) -> Polynomial:
     p_4, p_2 and p_2² − 4 p_4 p_0; with more those of q(s²) + s q′(s²), whose even and odd parts interlace just then
     (Hermite and Biehler), of the polynomial q(s²).
     """
+    return tuple(each_margin(p, neutral))
+
+
+def each_margin(p: Polynomial, neutral: bool) -> Iterator[Any]:
+    """Yield the numbers of :func:`margins`, of which the last ones take most of the work."""
     order = len(p) - 1
     if neutral and order == 4:
-        return p[0], p[2], p[2] ** 2 - 4 * p[0] * p[4]
+        yield from (p[0], p[2], p[2] ** 2 - 4 * p[0] * p[4])
+        return
     if neutral and order > 4:
         p = interlaced(p)
-    if order == 2:
-        return p[:1] if neutral else p[:2]
-    return (*p[:-1], *(hurwitz(p, k) for k in range(3, order, 2)))
+    yield from p[:1] if neutral and order == 2 else p[:-1]
+    yield from (hurwitz(p, k) for k in range(3, order, 2))
 
 
 def interlaced(p: Polynomial) -> Polynomial:
