@@ -7,8 +7,8 @@ from functools import cache
 import numpy as np
 import pytest
 import xarray as xr
-from tools import accuracy_page
 
+from benchmarks import accuracy_page
 from benchmarks.record import Verdict
 from lsvib.datasets.io import write_dataset
 from lsvib.figures.configuration import accuracy_figures, load

@@ -1,6 +1,6 @@
 """Write docs/accuracy.md and its pictures from the datasets of the target `accuracy`, or of another run.
 
-    python tests/tools/accuracy_page.py [results/accuracy] [docs]
+    python benchmarks/accuracy_page.py [results/accuracy] [docs]
 
 It says at which commits the datasets were computed.
 """
@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[1]
 sys.path[:0] = [str(ROOT)]
 
 from benchmarks.figures.work_precision import RIVALS  # noqa: E402
@@ -32,7 +32,7 @@ def main(results: Path, docs: Path) -> None:
     commits = ", ".join(sorted({_described(dataset.attrs["git_commit"]) for dataset in found.values()}))
     lines = [
         "# Accuracy, speed and stability, measured",
-        f"Made by `tests/tools/accuracy_page.py` from datasets of the workflow, on a machine that others use, too "
+        f"Made by `benchmarks/accuracy_page.py` from datasets of the workflow, on a machine that others use, too "
         f"({_machine(found)}). Times are processor times, with the quartiles of the repeats in brackets. What is "
         f"compared, and what it means: [validation](validation.md). Computed at commit {commits}.",
     ]
