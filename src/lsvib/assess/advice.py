@@ -5,13 +5,14 @@ A change is looked for up to a factor of three, and rounded to what is printed, 
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
 from lsvib.assess.fields import LARGEST_HALF_ANGLE
-from lsvib.assess.margins import Margin, changeable
-from lsvib.assess.operation import Draw, most_perturbed
+from lsvib.assess.margins import Margin, applied, changeable
+from lsvib.assess.operation import Draw, Operation, most_perturbed
 from lsvib.assess.starting import Starts, places, speeds
 from lsvib.models.drive import STATIC
 
@@ -34,19 +35,39 @@ class Change(Margin):
 
 
 def advice(draw: Draw, edges: list[Margin], vibrates: bool, starts: Starts) -> list[Change]:
-    """Return the smallest changes that end what a drive does at its middle values, those first that end all of it.
+    """Return the three smallest changes that end what a drive does at its middle values, and dampings that it lacks.
 
     ``edges``: the changes at which steady running becomes stable, for a drive that ``vibrates``; others jerk from rest.
-    Changes that leave jerks are among them for a drive that vibrates only.
+    For a drive that vibrates three that leave jerks follow.
     """
     asker = _Asker(draw, starts)
     near = {row.quantity: row for row in edges if vibrates}
-    found = list(_absent(asker, near))
-    for name, keys in changeable(draw.values).items():
-        ends = [one for side in _sides(draw, name, near.get(name)) if (one := _along(asker, name, keys, side))]
-        found += sorted(ends, key=lambda one: (one.left != "", abs(math.log(one.factor or 1.0))))[:1]
-    kept = [one for one in found if vibrates or one.left in ("", "knock")]
-    return sorted(kept, key=lambda one: (one.left != "", abs(math.log(one.factor or MOST))))
+    found, ended = list(_absent(asker, near)), set()
+    sides = [(name, side) for name in changeable(draw.values) for side in _sides(draw, name, near.get(name))]
+    steps = [(name, side[0] > 1, *step) for name, side in sides for step in pairwise([1.0, *side])]
+    for name, larger, before, factor in sorted(steps, key=lambda step: _size(step[3])):
+        whole = sorted(_size(one.factor) for one in found if one.factor and not one.left)
+        if (name, larger) in ended or (whole[2:] and _size(before) >= whole[2]):
+            continue  # no smaller change is there
+        one = _between(asker, name, before, factor, whole[2] if whole[2:] else math.inf)
+        ended |= {(name, larger)} if one and not one.left else set()
+        found += [one] if one and not (one.left and name in [other.quantity for other in found]) else []
+    found.sort(key=lambda one: _size(one.factor or MOST))
+    whole, part = ([one for one in found if bool(one.left) == some] for some in (False, True))
+    ends = [one for one in whole if one.factor is None or one in _three(whole)]
+    knocked = [most_perturbed(own, _points(own))[0] for own in (applied(draw, one) for one in ends)]
+    ends = [replace(one, left="knock" if upset else "") for one, upset in zip(ends, knocked, strict=True)]
+    return [*ends, *(part[:3] if vibrates else ())]
+
+
+def _three(changes: list[Change]) -> list[Change]:
+    """The smallest three of some changes in order, of different quantities."""
+    return list({one.quantity: one for one in reversed(changes) if one.factor}.values())[::-1][:3]
+
+
+def _size(factor: float | None) -> float:
+    """The size of a change by a factor, however far it goes either way."""
+    return abs(math.log(factor or 1.0))
 
 
 def _absent(asker: "_Asker", near: dict[str, Margin]) -> Iterator[Change]:
@@ -63,8 +84,8 @@ def _sides(draw: Draw, name: str, edge: Margin | None) -> list[list[float]]:
     sides = [list(_FACTORS), [1 / factor for factor in _FACTORS]]
     if edge is not None and edge.is_near(MOST) and edge.factor:
         side = sides[edge.factor < 1]
-        side[:] = [edge.factor, *(factor for factor in side if abs(math.log(factor / edge.factor)) > _CLOSE)]
-        side.sort(key=lambda factor: abs(math.log(factor)))
+        side[:] = [edge.factor, *(factor for factor in side if _size(factor / edge.factor) > _CLOSE)]
+        side.sort(key=_size)
     if slowest := STATIC.get(name):  # it cannot be below that of slow sliding, nor that by rounding
         least = sum(draw.values.get(key, 0.0) for key in slowest) / draw.values[name] * (1 + 1e-12)
         return [[*(factor for factor in sides[1] if factor > least), *([least] if least > 1 / MOST else [])]]
@@ -75,32 +96,29 @@ def _sides(draw: Draw, name: str, edge: Margin | None) -> list[list[float]]:
     return sides
 
 
-def _along(asker: "_Asker", name: str, keys: tuple[str, ...], factors: list[float]) -> Change | None:
-    """The smallest change towards some factors that ends all, or else the first that makes steady running stable."""
-    partial, before = None, 1.0
+def _between(asker: "_Asker", name: str, before: float, factor: float, most: float) -> Change | None:
+    """The smallest change up to a factor, from another one on that does not, that ends all, or makes it stable alone.
+
+    Those above the size ``most`` are not looked for.
+    """
+    draw, keys = asker.draw, changeable(asker.draw.values)[name]
+    slowest = sum(draw.values.get(key, 0.0) for key in STATIC.get(name, ())) / max(map(abs, map(draw.values.get, keys)))
 
     def printed(factor: float) -> float:
         """Return a factor as it is printed; friction at rest is not below that of slow sliding."""
-        return max(_rounded(factor), factors[-1]) if name in STATIC else _rounded(factor)
+        return max(_rounded(factor), slowest * (1 + 1e-12)) if slowest else _rounded(factor)
 
-    for factor in factors:
-        left = asker.left(asker.draw.scaled(keys, printed(factor)))
-        if left in ("", "knock"):
-            bad, good = before, factor
-            while abs(math.log(good / bad)) > _CLOSE * abs(math.log(good)):
-                middle = math.sqrt(good * bad)
-                ends = asker.left(asker.draw.scaled(keys, middle)) in ("", "knock")
-                bad, good = (bad, middle) if ends else (middle, good)
-            left = asker.left(asker.draw.scaled(keys, printed(good)))
-            return _change(asker.draw, name, keys, printed(good), left) if left in ("", "knock") else None
-        if left != "vibrates" and partial is None:
-            partial = _change(asker.draw, name, keys, printed(factor), left)
-        before = factor
-    return partial
-
-
-def _change(draw: Draw, name: str, keys: tuple[str, ...], factor: float, left: str) -> Change:
-    return Change(name, factor, factor * max((draw.values[key] for key in keys), key=abs), left)
+    left = asker.left(draw.scaled(keys, printed(factor)))
+    if not left:
+        bad, good = before, factor
+        while abs(math.log(good / bad)) > _CLOSE * _size(good) and _size(bad) < most:
+            middle = math.sqrt(good * bad)
+            bad, good = (middle, good) if asker.left(draw.scaled(keys, middle)) else (bad, middle)
+        factor = good
+        left = asker.left(draw.scaled(keys, printed(factor)))
+    if left == "vibrates" or _size(factor) >= most:
+        return None
+    return Change(name, printed(factor), printed(factor) * max((draw.values[key] for key in keys), key=abs), left)
 
 
 def _rounded(factor: float) -> float:
@@ -115,7 +133,7 @@ def _up(size: float) -> float:
 
 
 class _Asker:
-    """Asks of changed drives what the verdict asks of the drive, first at the point that failed last."""
+    """Asks of changed drives what the verdict asks of the drive but for knocks, first at the point that failed last."""
 
     def __init__(self, draw: Draw, starts: Starts) -> None:
         self.draw, self.starts, self.level, self.failed = draw, starts, _level(draw), 0
@@ -126,13 +144,18 @@ class _Asker:
         steady = min(reserve for name, reserve in reserves.items() if name != "after_perturbation")
         if not steady >= 0 or _level(own) < min(_LEAST_LAW, self.level):
             return "vibrates"
-        points = [own.at(way, speed, force) for way, force in places(own) for speed in speeds(own)]
+        points = _points(own)
         sure = own.sheet.stiff and not own.sheet.followed and min(reserves.values()) > 0  # then slip shrinks every area
         for k in [] if sure else sorted(range(len(points)), key=lambda k: k != self.failed):
             if (even := self.starts.evenly(points[k])) is not True:
                 self.failed = k
                 return "start" if even is False else "unknown"
-        return "knock" if most_perturbed(own, points)[0] else ""
+        return ""
+
+
+def _points(draw: Draw) -> list[Operation]:
+    """The points of the window at which a drive is started."""
+    return [draw.at(way, speed, force) for way, force in places(draw) for speed in speeds(draw)]
 
 
 def _level(draw: Draw) -> float:

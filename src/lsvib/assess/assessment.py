@@ -105,7 +105,7 @@ def assess(sheet: Sheet, samples: int = 4096, seed: int = 1) -> Assessment:
         sure: dict[str, Any] = {"probability": 1.0, "interval": (1.0, 1.0)} if spread.samples == 1 else {}
         perturbed = replace(found["after_perturbation"], occurs=True, there=nominal.there, **sure)
         found["after_perturbation"] = perturbed  # as the motion shows it, whatever its reserve says
-    starts = Starts(sheet.friction.law)
+    starts = Starts(sheet.friction)
     started = _started(draw, found, cases, spread, nominal, starts)
     worst_motion = _worst_motion(sheet, found, cases, spread.upset) if cases else nominal
     verdict = _verdict(found, spread, cases, worst_motion, started)

@@ -51,6 +51,13 @@ def changeable(values: Values) -> dict[str, tuple[str, ...]]:
     return {**single, **pairs}
 
 
+def applied(draw: Draw, row: Margin) -> Draw:
+    """Return a drive with a change of one quantity."""
+    if row.factor is None:
+        return draw.changed(**{row.quantity: row.value})
+    return draw.scaled(changeable(draw.values)[row.quantity], row.factor)
+
+
 def _absent_dampings(values: Values) -> dict[str, float]:
     """Return the dampings that are zero, with the size of a critical one each, √(inertia × stiffness) [SI units]."""
     turning = float(np.sqrt(values["screw_inertia"] * values["coupling_stiffness"]))

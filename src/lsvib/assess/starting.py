@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lsvib.assess.operation import Draw, Operation
+from lsvib.assess.sheet import Friction
 from lsvib.assess.vibration import Vibration
 from lsvib.errors import InputError
 from lsvib.models.drive import STATIC
@@ -31,8 +32,9 @@ Place = tuple[int, float]  # direction of travel, force [N]
 class Starts:
     """Starts of the drives of one sheet from rest; those that come to no end share an allowance of work."""
 
-    def __init__(self, law: bool) -> None:
-        self.work = _WORK_OF_LAW if law else _WORK
+    def __init__(self, friction: Friction) -> None:
+        self.law = friction.law and friction.sloped  # over the speed, whose motions take longer
+        self.work = _WORK_OF_LAW if self.law else _WORK
         self.left = _SUM * self.work
 
     def evenly(self, there: Operation, stiff: bool = False) -> bool | None:
@@ -110,7 +112,7 @@ def starting(draw: Draw, starts: Starts, draws: Iterable[Draw] = (), ends: Itera
     place, first = jerky[0] if jerky else (worst, low)
     there = draw.at(place[0], first, place[1])
     even_speed = found[place] if draw.sheet.stiff else even_from(lambda speed: asked(place, speed), tried, high)
-    few = 1 if draw.sheet.stiff else 8 if draw.sheet.friction.law else 4
+    few = 1 if draw.sheet.stiff else 8 if starts.law else 4
     own = [asked(place, first * one.values["speed_low"] / low, one) for one in islice(draws, _DRAWS // few)]
     edges = islice(ends, _ENDS // few)
     corners = any_of(asked(at, one.values["speed_low"], one) for one in edges for at in places(one))
@@ -159,7 +161,7 @@ def outcomes(draw: Draw, direction: int, turning: NDArray[Any], force: NDArray[A
     answer of the nearest of 9 by 9.
     """
 
-    starts = Starts(draw.sheet.friction.law)
+    starts = Starts(draw.sheet.friction)
 
     def asked(speed: float, push: float) -> float:
         """The answer at a point."""

@@ -9,7 +9,7 @@ from jinja2 import Environment
 
 from lsvib.assess import words
 from lsvib.assess.assessment import Assessment
-from lsvib.assess.margins import Margin, changeable
+from lsvib.assess.margins import Margin, applied
 from lsvib.assess.starting import BEYOND
 from lsvib.assess.statics import Statics, lets_go
 
@@ -50,5 +50,4 @@ def of_statics(found: Statics) -> list[str]:
 
 def drops(assessment: Assessment, row: Margin) -> bool:
     """Whether the load drops, once the current is off, with a change of one quantity."""
-    keys = changeable(assessment.draw.values).get(row.quantity, ())
-    return lets_go(assessment.draw, assessment.draw.scaled(keys, row.factor or 1.0))
+    return lets_go(assessment.draw, applied(assessment.draw, row))
