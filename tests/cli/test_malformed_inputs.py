@@ -174,6 +174,7 @@ REFUSED_THRESHOLDS = [
     (LIGHT, ("kinematic_constraint", "lead_angle"), "no lead_angle in the allowed range 1e-06 <= lead_angle < 1.5708"),
     (LIGHT, ("fold",), "the drive is not in the Painlevé region"),
     (LIGHT, ("flutter",), "threshold = 'flutter' is not one of those of this drive"),
+    (RUBS, ("flutter",), "threshold = 'flutter' is not one of those of this drive: even_speed, onset, kinematic_const"),
     (LIGHT, ("stick", "friction_slope"), "holds for friction that is one number."),
     (RESISTED.replace(support_damping=1e-3), ("fold",), "no axial_force is the threshold fold: next to -26.04"),
     (RESISTED.replace(support_damping=1e-3), ("cycle_birth",), "the cycle without rest would begin where"),

@@ -41,13 +41,11 @@ def oscillator(belt):
     field = np.array([[0.0, 1.0, 0.0], [-1.0, -2 * DAMPING, -steady]])
 
     def slip(side):
-        return TaylorMode(
-            field=field,
-            push=np.array([0.0, -side]),
-            contact=np.array([0.0, 0.0, 1.0]),
-            speed=np.array([0.0, side, -side * belt]),
-            pieces=law[None],
-        )
+        push, speed = np.array([0.0, -side]), np.array([0.0, side, -side * belt])
+        return TaylorMode(field=field, push=push, contact=np.array([0.0, 0.0, 1.0]), speed=speed, pieces=law[None])
+
+    def stops(mode, row):
+        return Branch(mode, STOP, ((row, Is.POSITIVE),))
 
     over = 1, 2 * DAMPING, steady - hold  # x + 2 ξ x′ beyond what friction holds
     under = -1, -2 * DAMPING, -steady - hold
@@ -57,15 +55,8 @@ def oscillator(belt):
         "above": Mode(1, slip(1), (Guard("belt", 1, "stop"),)),
         "stick": Mode(2, still_mode([(0, 1, 0), (0, 0, 0)]), (Guard("hold", -1, "release"),)),
     }
-    standing = (
-        Branch("below", STOP, ((over, Is.POSITIVE),)),
-        Branch("above", STOP, ((under, Is.POSITIVE),)),
-        Branch("stick", STOP),
-    )
-    moving = (
-        Branch("below", STOP, (((0, -1, belt), Is.POSITIVE),)),
-        Branch("above", STOP, (((0, 1, -belt), Is.POSITIVE),)),
-    )
+    standing = stops("below", over), stops("above", under), Branch("stick", STOP)
+    moving = stops("below", (0, -1, belt)), stops("above", (0, 1, -belt))
     transitions = {
         "entry": Transition((*moving, *standing)),
         "stop": Transition(standing),
@@ -73,16 +64,9 @@ def oscillator(belt):
     }
     divided("below", PASSAGE, modes, transitions, surfaces)
     return assemble(
-        states=("x", "v"),
-        surfaces=surfaces,
-        modes=modes,
-        transitions=transitions,
-        observables={},
-        shortest_stay=1e-13,
-        rest_codes=(2,),
-        release_kinds=(RELEASE,),
-        passive=True,
-    )
+        states=("x", "v"), surfaces=surfaces, modes=modes, transitions=transitions, observables={},
+        shortest_stay=1e-13, rest_codes=(2,), release_kinds=(RELEASE,), passive=True,
+    )  # fmt: skip
 
 
 def share_of_sliding(belt, starts, seed=20261126):

@@ -15,14 +15,9 @@ from lsvib.stability.force_thresholds import threshold_force
 from lsvib.stability.threshold import solve_threshold
 
 HALF_UNITS = {  # of the values as Table 8.1 prints them: 5.18 mm, 5.57 degree, 3.12e-6, 0.218; and 1, 2e-4, 40
-    "pitch_radius": 0.005e-3,
-    "lead_angle": math.radians(0.005),
-    "screw_inertia": 0.005e-6,
-    "friction_coefficient": 0.0005,
-    "coupling_stiffness": 0.5,
-    "support_damping": 0.5e-4,
-    "input_speed": 0.5,
-}
+    "pitch_radius": 0.005e-3, "lead_angle": math.radians(0.005), "screw_inertia": 0.005e-6,
+    "friction_coefficient": 0.0005, "coupling_stiffness": 0.5, "support_damping": 0.5e-4, "input_speed": 0.5,
+}  # fmt: skip
 PRECISE = [*HALF_UNITS][:4]
 PRINTED = {  # half a unit of the last digit of the threshold itself, its name and unknown, and the table of the page
     "critical_mass": (0.005, "kinematic_constraint", "mass", (0.0787, 0, 0, 0)),

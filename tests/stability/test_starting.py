@@ -106,14 +106,11 @@ def random_drive(seed: int) -> Drive:
     """A slow drive with static friction or a law of friction, and perhaps parts and dry friction."""
     rng = np.random.default_rng([seed, 46])
     values = {
-        "coupling_stiffness": 10 ** rng.uniform(-2, -1),
-        "support_damping": 10 ** rng.uniform(-4, -3.4),
+        "coupling_stiffness": 10 ** rng.uniform(-2, -1), "support_damping": 10 ** rng.uniform(-4, -3.4),
         "axial_force": rng.choice([-1, 1]) * 10 ** rng.uniform(-0.3, 0.7),
-        "friction_coefficient": rng.uniform(0.2, 0.5),
-        "mass": 10 ** rng.uniform(-1, 0),
-        "input_speed": rng.choice([-1, 1]) * 0.3,
-        "static_friction_coefficient": 0.0,
-    }
+        "friction_coefficient": rng.uniform(0.2, 0.5), "mass": 10 ** rng.uniform(-1, 0),
+        "input_speed": rng.choice([-1, 1]) * 0.3, "static_friction_coefficient": 0.0,
+    }  # fmt: skip
     static = values["friction_coefficient"] * rng.uniform(1.2, 1.6)
     if seed % 2:
         values["stribeck_rise"] = static - values["friction_coefficient"]

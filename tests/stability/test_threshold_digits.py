@@ -122,15 +122,9 @@ def compared(drive, solved, solution, truth, rng, slopes):
 @pytest.mark.parametrize(
     ("name", "unknown"),
     [
-        ("onset", "axial_force"),
-        ("onset", "friction_coefficient"),
-        ("kinematic_constraint", "lead_angle"),
+        *((name, "axial_force") for name in ("onset", "stick", "detach", "global_stability", "fold", "cycle_birth")),
+        *(("onset", "friction_coefficient"), ("kinematic_constraint", "lead_angle")),
         ("negative_damping", "pitch_radius"),
-        ("stick", "axial_force"),
-        ("detach", "axial_force"),
-        ("global_stability", "axial_force"),
-        ("fold", "axial_force"),
-        ("cycle_birth", "axial_force"),
         pytest.param("rest_loss", "support_damping", marks=pytest.mark.slow),  # a second a search
     ],
 )

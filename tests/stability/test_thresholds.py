@@ -16,6 +16,7 @@ from mpmath import mp, mpf
 from references.comparisons import compare
 from references.drives import NEGATIVE_DAMPING, PARADOX, nut_drive, support_drive, threads_drive
 from references.rigid_digits import GUARD_DIGITS, RigidTrueDrive, RigidTrueFlow
+from references.sizes import sizes
 from references.threshold_digits import gap, jam, root
 
 import lsvib
@@ -94,10 +95,8 @@ def test_effective_damping_and_inertia(law):
     """Sect. 8.5.1: C and Γ of both laws, Γ those of m = 8 kg; the stated m = 1 kg has others."""
     heavy = NEGATIVE_DAMPING.replace(mass=8.0)
     (printed, digit), (of_mass, last) = DAMPINGS[law], INERTIAS[law]
-    found, (gamma, stated) = (
-        coefficients(heavy).damping[law],
-        (coefficients(d).gamma[law] for d in (heavy, NEGATIVE_DAMPING)),
-    )
+    found = coefficients(heavy).damping[law]
+    gamma, stated = (coefficients(d).gamma[law] for d in (heavy, NEGATIVE_DAMPING))
     assert abs(float(found) - printed) <= 0.5 * digit
     assert abs(float(gamma) - of_mass) <= 0.5 * last < abs(float(stated) - of_mass)
     assert abs(mpf(float(found)) / exact(heavy).C(law) - 1) <= 1e-15
@@ -118,10 +117,8 @@ def test_peak_of_the_contact_force(force):
 def test_effective_inertia_changes_sign_at_the_critical_mass():
     mass = Drive().threshold("kinematic_constraint").value
     assert exact(Drive.of(mass=mass * (1 - 1e-15))).Gamma(1) > 0 > exact(Drive.of(mass=mass * (1 + 1e-15))).Gamma(1)
-    for drive, unknown in (
-        (Drive(friction_coefficient=0.05), "mass"),
-        (support_drive(mass=1e-6), "friction_coefficient"),
-    ):
+    light = support_drive(mass=1e-6)
+    for drive, unknown in ((Drive(friction_coefficient=0.05), "mass"), (light, "friction_coefficient")):
         with pytest.raises(lsvib.NoThreshold):  # not self-locking; too light
             drive.threshold("kinematic_constraint", unknown)
 
@@ -174,9 +171,7 @@ def test_forces_are_those_of_the_functions(sense):
         drive = drive.replace(input_speed=40.0 * sense, axial_force=sense * drive.axial_force)
         for name in names:
             found = drive.threshold(name)
-            assert found.unknown == "axial_force"
-            assert found.unit == "N"
-            assert not found.several
+            assert (found.unknown, found.unit, found.several) == ("axial_force", "N", False)
             expected = threshold_force(drive, name)
             assert abs(found.value - expected) <= math.ulp(expected)
             low, high = found.enclosure
@@ -250,6 +245,20 @@ def test_two_pairs_that_cross_at_once_are_no_flutter():
     with pytest.raises(lsvib.NoThreshold, match="in the allowed range"):
         TOUCHING.threshold("flutter", "friction_coefficient")
     assert TOUCHING.threshold("onset", "friction_coefficient").value == math.tan(TOUCHING.lead_angle)
+
+
+FADING = {"stribeck_rise": 0.05, "stribeck_speed": 0.02, "mass": 0.5, "axial_force": 80, "translation_damping": 100}
+UNDAMPED = lsvib.Drive(**FADING, support_damping=0, nut_inertia=1e-6, nut_stiffness=2, nut_damping=0)
+ALL = lsvib.Drive(**FADING, **{name: x for part in chapter.PARTS.values() for name, x in part.items()})
+
+
+@pytest.mark.parametrize("case", sizes([(UNDAMPED, "lead_angle"), (UNDAMPED, "input_speed")], [(ALL, "input_speed")]))
+def test_onset_where_determinants_have_double_roots_and_of_ten_states(case):
+    """Under a law: a nut whose odd coefficients vanish together, and the determinants of all parts at once."""
+    drive, unknown = case
+    for solution in drive.threshold("onset", unknown).solutions:
+        sides = [drive.replace(**{unknown: solution.value * factor}) for factor in (1 - 1e-9, 1 + 1e-9)]
+        assert {side.stability().stable for side in sides} == {True, False}
 
 
 def test_a_result_is_plain_numbers():

@@ -236,8 +236,8 @@ def starts(drive: Drive) -> list[tuple[float, float]]:
 def random_starts(drive: Drive) -> list[np.ndarray]:
     """Return starts (n) around steady sliding of a drive with parts, whose cycles may attract little of its states.
 
-    They are drawn, the same in every run, from boxes of half to eight times what the bodies do in a swing with the speed
-    of the motor, of the screw or, if that is faster, their own; the screw also by what twists its coupling.
+    They are drawn, the same in every run, from boxes of half to eight times what the bodies do in a swing with the
+    speed of the motor, of the screw or, if that is faster, their own; the screw also by what twists its coupling.
     """
     if not drive.parts:
         return []
