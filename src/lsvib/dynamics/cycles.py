@@ -32,6 +32,7 @@ from lsvib.models.drive import PARTS, Drive
 from lsvib.models.mechanics import coefficients
 from lsvib.models.mechanism import seated_state
 from lsvib.models.model import model_of
+from lsvib.models.names import BODIES
 
 _HALVINGS = 60  # of a bracket in which Newton's method fails: to the last bit
 _SAME = 1e-7  # Two cycles of one stability that differ by less, relatively, are the same cycle.
@@ -245,7 +246,7 @@ def random_starts(drive: Drive) -> list[np.ndarray]:
     sizes = [angle + abs(float(coefficients(drive).deflection)), rate]
     for part in drive.parts:
         inertia, stiffness = (getattr(drive, name) for name in ("mass", *PARTS[part])[-3:-1])
-        along = 1.0 if part in ("motor", "nut") else lever
+        along = lever if part == "threads" or BODIES[part].pushed == "contact" else 1.0
         sizes += [along * min(rate * math.sqrt(inertia / stiffness), angle), along * rate]
     draw = np.random.default_rng(0)
     boxes = 2.0 ** draw.uniform(-1.0, 3.0, (96, 1)) * sizes
