@@ -292,10 +292,7 @@ class Line:
                 depends |= roots is not None
                 candidates += [(x, condition) for x in roots or [] if self.law(x) == law and self.rubs(x)]
         cuts: list[tuple[fmpq, RootCondition]] = []
-        for (
-            x,
-            condition,
-        ) in candidates:  # of conditions that vanish together the first, as determinants have double roots
+        for x, condition in candidates:  # the first of those that vanish together: determinants then have double roots
             if x and all(abs(x - other) > SAME * x for other, _ in cuts):
                 cuts.append((x, condition))
         cuts.sort(key=lambda cut: cut[0])

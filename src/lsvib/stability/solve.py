@@ -118,10 +118,12 @@ def isolated_roots(function: Callable[[Any], Any], low: fmpq, high: fmpq) -> lis
             if ends != 0:  # for certain
                 continue
         if b - a < SAME * a:
-            low, high = a * (1 - 2 * SAME), b * (1 + 2 * SAME)
-            if value(low) * value(high) < 0 and not (roots and roots[-1] > low):
+            below, above = a * (1 - 2 * SAME), b * (1 + 2 * SAME)
+            ends = value(below) * value(above)
+            if ends < 0 and not (roots and roots[-1] > below):
                 roots.append((a + b) / 2)
-            continue
+            if ends != 0:
+                continue
         boxes += [((a + b) / 2, b), (a, (a + b) / 2)]
     raise NoThreshold(
         "the roots of an equation of the threshold cannot be told apart: two lie too close, or it all but vanishes."
