@@ -27,8 +27,7 @@ class Change(Margin):
     """A change of one quantity, and what is ``left`` of vibration with it at the middle values.
 
     That is ``""``, ``knock``, if a perturbation may still start vibration, ``start``, if steady running is stable, but
-    not reached from rest, or ``unknown``, if it is not known whether it is. The factor of a damping that is zero is
-    None.
+    not reached from rest, or ``unknown``, if it is not known whether it is. A damping that is zero has no factor.
     """
 
     left: str = ""
@@ -51,18 +50,15 @@ def advice(draw: Draw, edges: list[Margin], vibrates: bool, starts: Starts) -> l
             continue  # no smaller change is there
         one = _between(asker, name, before, factor, whole[2] if whole[2:] else math.inf)
         ended |= {(name, larger)} if one and not one.left else set()
-        found += [one] if one and not (one.left and name in [other.quantity for other in found]) else []
-    found.sort(key=lambda one: _size(one.factor or MOST))
-    whole, part = ([one for one in found if bool(one.left) == some] for some in (False, True))
-    ends = [one for one in whole if one.factor is None or one in _three(whole)]
+        found += [one] if one else []
+    best: dict[str, Change] = {}
+    for one in sorted(found, key=lambda one: (bool(one.left), _size(one.factor or MOST))):
+        best.setdefault(one.quantity, one)
+    whole, part = ([one for one in best.values() if bool(one.left) == some] for some in (False, True))
+    ends = [*[one for one in whole if one.factor][:3], *(one for one in whole if one.factor is None)]
     knocked = [most_perturbed(own, _points(own))[0] for own in (applied(draw, one) for one in ends)]
     ends = [replace(one, left="knock" if upset else "") for one, upset in zip(ends, knocked, strict=True)]
     return [*ends, *(part[:3] if vibrates else ())]
-
-
-def _three(changes: list[Change]) -> list[Change]:
-    """The smallest three of some changes in order, of different quantities."""
-    return list({one.quantity: one for one in reversed(changes) if one.factor}.values())[::-1][:3]
 
 
 def _size(factor: float | None) -> float:

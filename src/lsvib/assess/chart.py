@@ -10,32 +10,22 @@ from numpy.typing import NDArray
 from lsvib.assess.operation import Draw
 from lsvib.assess.starting import outcomes
 from lsvib.assess.window import applicable
-from lsvib.errors import EngineError, InputError
-from lsvib.stability.force_thresholds import threshold_force
 
 KINDS = ("steady", "steady_until_perturbed", "steady_once_started", "steady_when_left_alone", "jerks_from_rest",
          "negative_damping", "kinematic_constraint", "mode_coupling", "falling_friction", "thread_contact")  # fmt: skip
 """What the chart distinguishes, by flag value."""
 
-_BOUNDARIES = {
-    "onset": "the load begins to act with the motion",
-    "stick": "the oscillation reaches standstill (stick-slip)",
-    "detach": "the threads no longer lose contact",
-    "global_stability": "a perturbation can start vibration",
-}
-
 
 @dataclass(frozen=True)
 class Chart:
     """One direction of travel: ``kind`` (force, speed) as flags of :data:`KINDS`, ``speed`` of the load [m/s] and
-    ``force`` against outward travel [N]; ``boundaries``: forces (speed) by what begins or ends there.
+    ``force`` against outward travel [N].
     """
 
     direction: int
     speed: NDArray[np.float64]
     force: NDArray[np.float64]
     kind: NDArray[np.int8]
-    boundaries: dict[str, NDArray[np.float64]]
 
 
 def charts(draw: Draw) -> list[Chart]:
@@ -47,8 +37,7 @@ def charts(draw: Draw) -> list[Chart]:
     room = 0.5 * max(max(ends) - min(ends), 0.1 * max(map(abs, ends)), 1.0)
     force = np.linspace(min(ends) - room, max(ends) + room, points)
     return [
-        Chart(way, draw.travel * turning, force, _kinds(draw, way, turning, force), _boundaries(draw, way, turning))
-        for way in draw.sheet.directions
+        Chart(way, draw.travel * turning, force, _kinds(draw, way, turning, force)) for way in draw.sheet.directions
     ]
 
 
@@ -88,26 +77,3 @@ def _fatal_ratio(draw: Draw, direction: int, most: float, drag: float) -> float 
             return None
         low, high = (low, ratio) if size == math.inf else (ratio, high)
     return high
-
-
-def _boundaries(draw: Draw, direction: int, turning: NDArray[Any]) -> dict[str, NDArray[Any]]:
-    """Forces at which the motion of the rigid drive changes its kind; none with friction that depends on speed.
-
-    With Ω and R multiplied alike, every motion of the drive is multiplied alike. So one threshold gives a line.
-    """
-    sheet, weight, speed = draw.sheet, draw.weight, float(turning[-1])
-    if draw.values["friction_slope"] != 0 or sheet.friction.curve is not None or sheet.friction.law or sheet.dry:
-        return {}
-    found, drive = {}, draw.at(direction, speed, 0.0).rigid
-    if drive.translation_damping > 0 and drive.friction_coefficient > math.tan(drive.lead_angle):
-        lever = drive.pitch_radius * math.tan(drive.lead_angle)
-        found[_BOUNDARIES["onset"]] = -lever * drive.translation_damping * direction * turning - weight
-    if not sheet.stiff:  # the other thresholds are those of rigid parts
-        return found
-    for name in ("stick", "detach", "global_stability"):
-        try:
-            force = threshold_force(drive, name)
-        except (InputError, EngineError):
-            continue
-        found[_BOUNDARIES[name]] = -force * turning / speed - weight
-    return found

@@ -47,7 +47,7 @@ def embedded(draw: Callable[..., Figure], *arguments: Any) -> str:
 
 
 def operating_chart(charts: list[Chart], chart: Chart, assessment: Assessment) -> Figure:
-    """Regions of one of the charts over speed and force, boundary curves, and the operating window as a frame.
+    """Regions of one of the charts over speed and force, and the operating window as a frame.
 
     The legend names what any of the charts shows, so that those side by side are alike.
     """
@@ -57,8 +57,6 @@ def operating_chart(charts: list[Chart], chart: Chart, assessment: Assessment) -
     norm = BoundaryNorm(np.arange(len(KINDS) + 1) - 0.5, len(KINDS))
     values, speed = assessment.draw.values, 1e3 * chart.speed
     axis.pcolormesh(speed, chart.force, chart.kind, cmap=colours, norm=norm, shading="nearest", rasterized=True)
-    for (label, force), dashes in zip(chart.boundaries.items(), ("-", "--", "-.", ":"), strict=False):
-        axis.plot(speed, force, dashes, color=style.BLACK, linewidth=0.9, label=label)
     low, high = (1e3 * assessment.draw.travel * values[f"speed_{end}"] for end in ("low", "high"))
     bottom, height = values["force_low"], values["force_high"] - values["force_low"]
     if high > low and height > 0:
@@ -68,8 +66,6 @@ def operating_chart(charts: list[Chart], chart: Chart, assessment: Assessment) -
     axis.set(xlim=(0, speed[-1]), ylim=(chart.force[0], chart.force[-1]))
     axis.set(xlabel="Speed of the load [mm/s]", ylabel="Force against outward travel [N]")
     axis.set_title("Outward" if chart.direction > 0 else "Back")
-    if chart.boundaries:
-        axis.legend(loc="best", fontsize=6, frameon=True, framealpha=0.85)
     seen = np.unique([one.kind for one in charts])
     handles = [Patch(color=_COLOURS[KINDS[k]], label=_NAMES[KINDS[k]]) for k in seen]
     handles.append(Patch(fill=False, edgecolor=style.BLUE, linewidth=1.6, label="operating window"))
