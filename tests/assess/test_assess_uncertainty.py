@@ -1,6 +1,4 @@
-"""Probabilities, shares of the variance and worst cases against simulated drives; the start from rest, and advice."""
-
-import math
+"""Shares of the variance, worst cases, what a perturbation starts; the start from rest, and advice."""
 
 import numpy as np
 import pytest
@@ -11,15 +9,12 @@ from lsvib import Drive
 from lsvib.assess.assessment import assess
 from lsvib.assess.chart import KINDS, charts
 from lsvib.assess.margins import changeable
-from lsvib.assess.operation import Draw
 from lsvib.assess.output import as_json
 from lsvib.assess.report import report
 from lsvib.assess.sheet import Sheet
 from lsvib.assess.starting import Starts
 from lsvib.assess.summary import brief
 from lsvib.assess.uncertainty import evaluated, study
-from lsvib.dynamics.attractor import Attractor, steady_state
-from lsvib.models.rigid import rigid_automaton
 from lsvib.stability.force_thresholds import threshold_force
 from lsvib.stability.starting import runs_evenly
 
@@ -27,43 +22,6 @@ KINEMATIC = {
     "load": {"mass": {"low": "6 kg", "mode": "9 kg", "high": "16 kg"}, "force": "-50 N"},
     "friction": {"coefficient": {"mean": 0.218, "std": 0.015}},
 }
-FED = {
-    "load": {"mass": "1 kg", "force": ["-40 N", "10 N"]},
-    "damping": {
-        "rotational": {"median": "2e-4 N*m*s/rad", "factor": 1.5},
-        "translational": {"median": "600 N*s/m", "factor": 1.4},
-    },
-}
-
-
-def simulated_share(given: Sheet, count: int, seed: int) -> float:
-    """Share of independently drawn drives that, simulated from near steady sliding, end in anything else."""
-    rng = np.random.default_rng(seed)
-    hits = 0
-    for shares in rng.random((len(given.random), count)).T:
-        ends = []
-        for corner in Draw.of(given, shares).corners:
-            drive = corner.rigid
-            ends.append(steady_state(rigid_automaton(drive), [0.0, 1e-6 * drive.input_speed]).label)
-        hits += any(end != Attractor.STEADY_SLIDING for end in ends)
-    return hits / count
-
-
-def shares(changes: dict, name: str, count: int) -> tuple[float, tuple[float, float]]:
-    """Share of simulated drives that vibrate, and the interval of the samples, widened by the scatter of few drives."""
-    given = sheet(**changes)
-    found = study(given, 8192, 3).probability[name]
-    share = simulated_share(given, count, 11)
-    scatter = 3 * math.sqrt(max(share * (1 - share), 1 / count) / count) if count < 100_000 else 0.0
-    assert 0.05 < found.value < 0.95
-    return share, (found.interval[0] - scatter, found.interval[1] + scatter)
-
-
-@pytest.mark.parametrize(("changes", "name"), [(KINEMATIC, "kinematic_constraint"), (FED, "negative_damping")])
-def test_probabilities_against_simulated_drives(changes, name):
-    """A few hundred drives, each simulated by the engine."""
-    share, (low, high) = shares(changes, name, 300)
-    assert low <= share <= high
 
 
 def test_sobol_indices_of_a_reserve_that_two_entries_share():

@@ -1,14 +1,11 @@
 """The chapter's drive as a data sheet, and random ones over all entries and forms, as of catalogues; seeded."""
 
-import math
 from typing import Any
 
-import numpy as np
-
+from benchmarks.sheets.own_sheets import OwnSheet
 from lsvib.assess.materials import NUT_MATERIALS, SCREW_MATERIALS
 from lsvib.assess.operation import Draw
 from lsvib.assess.sheet import Sheet
-from lsvib.assess.threads import _ACME, _COARSE, _TRAPEZOIDAL
 from lsvib.errors import InputError
 from lsvib.models.drive import Drive
 from lsvib.models.pairings import PAIRINGS
@@ -27,194 +24,35 @@ def sheet(**changes) -> Sheet:
     return Sheet.of({**CHAPTER, **changes})
 
 
-_ENDS = ("fixed-free", "supported-supported", "fixed-supported", "fixed-fixed")
-_DIRECTIONS = ("out", "back", "both")
+_PARTS: dict[str, list[Any]] = {  # what other sheets have than those of which the motions are known, with their form
+    "thread": [{"size": "Acme 1/2-10"}, {"size": "M20x2.5"}, {"size": "Tr 40x14 P7"}, {"lead_angle": "5.57 deg",
+               "pitch_diameter": {"low": "10 mm", "mode": "11 mm", "high": "13 mm"}}, {"pitch": "3 mm", "starts": 2,
+               "nominal_diameter": ["12 mm", "12.3 mm"], "half_angle": "14.5 deg"}],
+    "friction": [{"efficiency": "45 %"}, {"efficiency": {"mean": 0.3, "std": 0.01}}, {"curve": [["5 mm/s", 0.2],
+                 ["20 mm/s", 0.12], ["90 mm/s", 0.15]], "curve_factor": [0.8, 1.1]},
+                 *({"pairing": name} for name in PAIRINGS)],
+    "screw": [{"length": "700 mm", "material": name, "mass": "2 kg"} for name in SCREW_MATERIALS]
+             + [{"length": "400 mm", "density": ["2700 kg/m^3", "7900 kg/m^3"]}],
+    "nut": [{"length": "30 mm", "material": name} for name in NUT_MATERIALS]
+           + [{"length": "15 mm", "pressure_limit": "5 MPa", "pv_limit": "0.4 MPa*m/s", "speed_limit": "1 m/s"}],
+    "contact": [{"stiffness": "2e7 N/m"}, {"stiffness": ["1e7 N/m", "1e8 N/m"], "damping": "1e3 N*s/m"}],
+    "support": [{"stiffness": "1e8 N/m", "damping": ["300 N*s/m", "2e4 N*s/m"]}, {"stiffness": "2e6 N/m"}],
+}  # fmt: skip
 
 
 def random_sheet(seed: int, index: int) -> dict[str, Any]:
-    """Draw sheet ``index`` of a seed, the same whatever else is drawn."""
-    draw = _Draw(np.random.default_rng([seed, index]))
-    thread, diameter = _thread(draw)
-    stiffness = draw.power(0.3, 30.0) * (diameter / 10e-3) ** 3 * 10
-    sheet = {
-        "name": f"drive {index}",
-        "thread": thread,
-        "screw": _screw(draw, diameter, "size" in thread),
-        "coupling": {"stiffness": draw.form(stiffness, "N*m/rad")}
-        | draw.maybe(0.2, gear_ratio=lambda: draw.form(draw.power(1, 50), ""))
-        | draw.maybe(0.2, inertia=lambda: draw.form(draw.power(1e-7, 1e-4), "kg*m^2")),
-        "load": _load(draw, diameter),
-        "operation": _operation(draw),
-        "friction": _friction(draw),
-    }
-    damping = draw.maybe(0.7, rotational=lambda: draw.form(draw.power(1e-6, 1e-1), "N*m*s/rad"))
-    damping |= draw.maybe(0.7, translational=lambda: draw.form(draw.power(1, 3000), "N*s/m"))
-    sheet |= {"damping": damping} if damping or draw.chance(0.1) else {}
-    sheet |= draw.maybe(0.3, nut=lambda: _nut(draw, diameter))
-    for part, often in (("contact", 0.2), ("support", 0.25)):
-        sheet |= draw.maybe(
-            often,
-            **{
-                part: lambda: (
-                    {"stiffness": draw.form(draw.power(1e6, 1e9), "N/m")}
-                    | draw.maybe(0.7, damping=lambda: draw.form(draw.power(1, 1e5), "N*s/m"))
-                )
-            },
-        )
-    return sheet
-
-
-class _Draw:
-    """Numbers and choices from a generator, and the forms in which a sheet gives a quantity."""
-
-    def __init__(self, rng: np.random.Generator) -> None:
-        self.rng = rng
-
-    def power(self, low: float, high: float) -> float:
-        """Draw a number between two ends, its logarithm uniform, with four digits."""
-        return float(f"{math.exp(self.rng.uniform(math.log(low), math.log(high))):.4g}")
-
-    def chance(self, share: float) -> bool:
-        return bool(self.rng.random() < share)
-
-    def one(self, options: Any) -> Any:
-        options = list(options)
-        return options[int(self.rng.integers(len(options)))]
-
-    def maybe(self, share: float, **entries: Any) -> dict[str, Any]:
-        """Return entries, given by functions, so often, else none."""
-        return {key: make() for key, make in entries.items()} if self.chance(share) else {}
-
-    def form(self, value: float, unit: str, even: bool = False) -> Any:
-        """Return a quantity as a value, a range or a distribution; ``even``: as a value or a range only."""
-
-        def text(number: float) -> Any:
-            return f"{number:.6g} {unit}" if unit else float(f"{number:.6g}")
-
-        kind, width = self.rng.random(), self.rng.uniform(0.01, 0.2)
-        if kind < 0.55 or value == 0:
-            return text(value)
-        ends = sorted((value * (1 - width), value * (1 + width)))
-        if kind < 0.75 or even:
-            return (
-                [text(end) for end in ends]
-                if self.chance(0.7)
-                else dict(zip(("low", "high"), map(text, ends), strict=True))
-            )
-        if kind < 0.83:
-            return {"low": text(ends[0]), "mode": text(value), "high": text(ends[1])}
-        if kind < 0.91:
-            return {"mean": text(value), "std": text(abs(value) * width / 5)}
-        if value < 0:
-            return text(value)
-        return {"median": text(value), "factor": float(f"{1 + 2 * width:.3g}")}
-
-
-def _thread(draw: _Draw) -> tuple[dict[str, Any], float]:
-    kind = draw.rng.random()
-    if kind < 0.3:
-        diameter = draw.one(_TRAPEZOIDAL)
-        pitch = draw.one(_TRAPEZOIDAL[diameter])
-        starts = draw.one((1, 1, 1, 2, 4))
-        return {"size": f"Tr {diameter}x{pitch * starts:g}" + (f" P{pitch:g}" if starts > 1 else "")}, diameter * 1e-3
-    if kind < 0.4:
-        inches = draw.one(_ACME)
-        return {"size": f"Acme {inches}-{_ACME[inches]}"}, 0.02
-    if kind < 0.5:
-        diameter = draw.one(_COARSE)
-        return {"size": f"M{diameter}x{_COARSE[diameter]:g}"}, diameter * 1e-3
-    diameter = draw.power(5, 60)
-    found: dict[str, Any] = {}
-    if kind < 0.7:
-        pitch, starts = draw.power(0.5, max(0.25 * diameter, 0.6)), draw.one((1, 2, 4))
-        found["pitch"] = draw.form(pitch, "mm")
-        found |= {"starts": starts} if starts > 1 else {}
-    elif kind < 0.9:
-        found["lead"] = draw.form(draw.power(0.05 * diameter, 1.2 * diameter), "mm")
-    else:
-        found["lead_angle"] = draw.form(draw.power(1, 25), "deg")
-    if "lead_angle" in found or draw.chance(0.6):
-        found["pitch_diameter"] = draw.form(diameter, "mm")
-    else:
-        found["nominal_diameter"] = draw.form(diameter, "mm")
-        found.setdefault("starts", 1)
-    found |= draw.maybe(0.3, half_angle=lambda: draw.form(draw.one((14.5, 15.0, 30.0)), "deg"))
-    return found, diameter * 1e-3
-
-
-def _screw(draw: _Draw, diameter: float, sized: bool) -> dict[str, Any]:
-    if draw.chance(0.3):
-        found = {"inertia": draw.form(draw.power(1e-7, 1e-3), "kg*m^2")}
-        found |= draw.maybe(0.3, unsupported_length=lambda: draw.form(draw.power(100, 2000), "mm"))
-        found |= {"mass": draw.form(draw.power(0.1, 10), "kg")}
-    else:
-        found = {"length": draw.form(draw.power(100, 2000), "mm")}
-        found |= draw.maybe(0.3, diameter=lambda: draw.form(1e3 * diameter, "mm"))
-        found |= draw.one(
-            ({}, {"material": draw.one(SCREW_MATERIALS)}, {"density": draw.form(draw.power(2700, 8900), "kg/m^3")})
-        )
-        found |= draw.maybe(0.2, mass=lambda: draw.form(draw.power(0.1, 10), "kg"))
-    if ("length" in found or "unsupported_length" in found) and "density" not in found and draw.chance(0.5):
-        found["ends"] = draw.one(_ENDS)
-        found |= draw.maybe(0.2 if sized else 1.0, root_diameter=lambda: draw.form(0.7e3 * diameter, "mm"))
-    return found
-
-
-def _load(draw: _Draw, diameter: float) -> dict[str, Any]:
-    mass = draw.power(0.1, 200.0) * (diameter / 10e-3) ** 2
-    found = {"mass": draw.form(mass, "kg")}
-    kind = draw.rng.random()
-    if kind < 0.5:
-        found["force"] = draw.form(draw.one((-1, 1)) * draw.power(0.2, 20.0) * mass, "N")
-    elif kind < 0.65:
-        force = draw.power(0.2, 20.0) * mass
-        found["force"] = draw.one(([f"{-force:.4g} N", f"{0.5 * force:.4g} N"], ["0 N", f"{force:.4g} N"], "0 N"))
-    angle = draw.one(
-        ("horizontal", "vertical", "90 deg", "-90 deg", draw.form(draw.power(0.5, 60), "deg"), ["-5 deg", "5 deg"])
-    )
-    return found | draw.maybe(0.7, orientation=lambda: angle)
-
-
-def _operation(draw: _Draw) -> dict[str, Any]:
-    unit, low, high = draw.one((("rpm", 1, 3000), ("mm/s", 0.5, 300), ("rad/s", 0.5, 200)))
-    speed = draw.power(low, high)
-    given = [f"{speed:g} {unit}", f"{speed * draw.power(1.5, 100):.4g} {unit}"]
-    found = {"speed": given if draw.chance(0.3) else draw.form(speed, unit)}
-    return found | draw.maybe(0.8, direction=lambda: draw.one(_DIRECTIONS))
-
-
-def _friction(draw: _Draw) -> dict[str, Any]:
-    kind, level = draw.rng.random(), draw.power(0.02, 0.35)
-    if kind < 0.2:
-        return {"pairing": draw.one(PAIRINGS)}
-    if kind < 0.3:
-        return {"efficiency": draw.form(draw.rng.uniform(0.2, 0.8), "")}
-    if kind < 0.4:
-        speeds = np.cumsum([draw.power(1, 100) for _ in range(draw.one((2, 3, 5)))])
-        pairs = [[f"{speed:.4g} mm/s", draw.power(0.02, 0.35)] for speed in speeds]
-        return {"curve": pairs} | draw.maybe(0.4, curve_factor=lambda: draw.form(1.0, ""))
-    even = kind >= 0.75  # with static friction, which is above all of them
-    found: dict[str, Any] = {"coefficient": draw.form(level, "", even)}
-    slope = draw.one((-1, 1)) * draw.power(1e-4, 1.0)
-    if kind < 0.55:
-        return found | draw.maybe(0.6, slope=lambda: draw.form(slope, "s/m"))
-    found |= draw.maybe(0.3, slope=lambda: draw.form(slope, "s/m"))
-    rise = draw.power(0.005, 0.2)
-    if kind < 0.85:
-        found["stribeck_rise"] = draw.form(rise, "", even)
-        found["stribeck_speed"] = draw.form(draw.power(0.5, 100), "mm/s")
-        found |= draw.maybe(0.5, stribeck_exponent=lambda: draw.one((1, 2)))
-    if even:
-        found["static"] = draw.form(float(f"{(1.3 * level + 1.3 * rise) * draw.power(1.05, 3):.4g}"), "", even=True)
-    return found
-
-
-def _nut(draw: _Draw, diameter: float) -> dict[str, Any]:
-    found = {"length": draw.form(2e3 * diameter, "mm")}
-    found |= draw.maybe(0.5, material=lambda: draw.one(NUT_MATERIALS))
-    found |= draw.maybe(0.3, pressure_limit=lambda: draw.form(draw.power(1, 40), "MPa"))
-    found |= draw.maybe(0.3, pv_limit=lambda: draw.form(draw.power(0.05, 5), "MPa*m/s"))
-    return found | draw.maybe(0.3, speed_limit=lambda: draw.form(draw.power(0.05, 2), "m/s"))
+    """Draw sheet ``index`` of a seed over all entries and forms."""
+    own = OwnSheet([seed, index], near=False)
+    for part, options in _PARTS.items():
+        if own.rng.random() < 0.3 and not (
+            part in ("contact", "support") and "collar" in own.written.get("bearing", {})
+        ):
+            own.written[part] = own.one(options)
+    if "length" in own.written["screw"] and "density" not in own.written["screw"] and own.rng.random() < 0.5:
+        own.written["screw"] |= {"ends": own.one(["fixed-free", "fixed-supported"]), "root_diameter": "6 mm"}
+    if "support" in own.written and "inertia" in own.written["screw"]:
+        own.written["screw"]["mass"] = "1.5 kg"
+    return own.written
 
 
 def random_drive(seed: int, index: int) -> Drive | None:
