@@ -30,7 +30,9 @@ QUANTITIES = {  # by the words of the advice
     "damping of the motor's control, at the screw": "K_p", "damping of the coupling": "d", "speed": "speed",
     "force on the load": "force",
 }  # fmt: skip
-CHANGE = re.compile(r"(.+?) (?:of at least )?([\d.]+)(?: × 10([⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+))?(?: %)? (larger|smaller|times|N)")
+CHANGE = re.compile(
+    r"(.+?) (?:of at least )?([\d.]+)(?: × 10([⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+))?(?: %)? (larger|smaller|times|N)(?:.*(strong knock))?"
+)
 FEW, DRAWS, MOST = 40_000, 60, 6.0  # steps of a motion of one of many drives; drives; seconds for a sheet
 
 
@@ -74,7 +76,7 @@ def of_draws(own: OwnSheet, found: dict, place: tuple) -> Iterator[str]:
     unstable = sum(own.growth(q) > 0 for q in drives)
     if not same(unstable, found["any_mechanism"]["probability"], found["samples"]):
         yield f"{found['any_mechanism']['probability']} vibrate, but {unstable} of {DRAWS} do"
-    if rest["drawn"] and verdict != "jerks":
+    if rest["drawn"] > rest["not_known"] and verdict != "jerks":
         forces = [place[2] if "load.force" in own.window else q["force"][0] for q in drives]
         at = [(place[0], q["speed"][0], force) for q, force in zip(drives, forces, strict=True)]
         ends = [own.end(*pair, None, FEW)[0] for pair in zip(drives, at, strict=True)]
@@ -86,25 +88,28 @@ def of_draws(own: OwnSheet, found: dict, place: tuple) -> Iterator[str]:
         yield f"steady, but not at the ends {bad}"
 
 
-def advised(lines: list[str]) -> Iterator[tuple[str, float]]:
-    """Yield the changes that are said to end vibration or jerks, as printed; a damping that is added by its value."""
+def advised(lines: list[str]) -> Iterator[tuple[str, float, bool]]:
+    """Yield the changes that are said to end vibration or jerks, as printed, and whether a knock may start it then.
+
+    A damping that is added is told by its value.
+    """
     for line in lines:
         changes = line.rstrip(".").split("values: ", 1)[1].split("; ") if "alone ends" in line else ()
-        for words, figure, power, kind in (CHANGE.match(text).groups() for text in changes):
+        for words, figure, power, kind, knock in (CHANGE.match(text).groups() for text in changes):
             power = (power or "0").translate(str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789"))
             number = float(figure) * 10.0 ** int(power)
             factor = {"larger": 1 + number / 100, "smaller": 1 - number / 100}.get(kind, number)
-            yield "=" * (kind == "N") + QUANTITIES[words], factor
+            yield "=" * (kind == "N") + QUANTITIES[words], factor, bool(knock)
 
 
 def failing(own: OwnSheet, found: dict) -> Iterator[str]:
     """Yield the changes with which a nudge still grows, or motions from rest or after a knock still go on."""
-    for what, factor in advised(found["brief"]):
+    for what, factor, knock in advised(found["brief"]):
         q = own.quantities(own.middles(), what, factor)
         if what[0] == "=":
             q[what[1:]] = factor
         growth = own.growth(q)
-        stuck = own.going_on(q) or own.going_on(q, -5.0) if growth < 0 else []
+        stuck = own.going_on(q) or (not knock and own.going_on(q, -5.0)) if growth < 0 else []
         if growth > 1e-9 or stuck:
             yield f"{what} times {factor} ends nothing: growth {growth:.3g}, goes on at {stuck}"
 

@@ -4,7 +4,7 @@ A change is looked for up to a factor of three, and rounded to what is printed, 
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -101,8 +101,9 @@ def _between(asker: "_Asker", name: str, before: float, factor: float, most: flo
     slowest = sum(draw.values.get(key, 0.0) for key in STATIC.get(name, ())) / max(map(abs, map(draw.values.get, keys)))
 
     def printed(factor: float) -> float:
-        """Return a factor as it is printed; friction at rest is not below that of slow sliding."""
-        return max(_rounded(factor), slowest * (1 + 1e-12)) if slowest else _rounded(factor)
+        """Return a factor as it is printed; friction at rest stays above that of slow sliding."""
+        least = round(1 - _up(1 - slowest, math.floor), 12) if 0 < slowest < 1 else 0.0
+        return max(_rounded(factor), least)
 
     left = asker.left(draw.scaled(keys, printed(factor)))
     if not left:
@@ -122,10 +123,10 @@ def _rounded(factor: float) -> float:
     return _up(factor) if factor >= 2 else round(1 + math.copysign(_up(abs(factor - 1)), factor - 1), 12)
 
 
-def _up(size: float) -> float:
-    """Return a size rounded up to two digits."""
+def _up(size: float, towards: Callable[[float], int] = math.ceil) -> float:
+    """Return a size rounded up, or down, to two digits."""
     step = 10.0 ** (math.floor(math.log10(max(size, 1e-12))) - 1)
-    return float(f"{math.ceil(size / step * (1 - 1e-9)) * step:.2g}")
+    return float(f"{towards(size / step * (1 - 1e-9)) * step:.2g}")
 
 
 class _Asker:
@@ -141,7 +142,7 @@ class _Asker:
         if not steady >= 0 or _level(own) < min(_LEAST_LAW, self.level):
             return "vibrates"
         points = _points(own)
-        sure = own.sheet.stiff and not own.sheet.followed and min(reserves.values()) > 0  # then slip shrinks every area
+        sure = own.sheet.contracts and min(reserves.values()) > 0
         for k in [] if sure else sorted(range(len(points)), key=lambda k: k != self.failed):
             if (even := self.starts.evenly(points[k])) is not True:
                 self.failed = k

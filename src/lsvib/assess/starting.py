@@ -34,6 +34,7 @@ class Starts:
 
     def __init__(self, friction: Friction) -> None:
         self.law = friction.law and friction.sloped  # over the speed, whose motions take longer
+        self.level = friction.sloped and not friction.law  # motions are without the slope, which may be what damps
         self.work = _WORK_OF_LAW if self.law else _WORK
         self.left = _SUM * self.work
 
@@ -46,7 +47,7 @@ class Starts:
         work = self.work if self.left > 0 else _LEAST
         found = runs_evenly(drive, work)
         self.left -= work if found is None else 0
-        return found
+        return None if self.level and found is False else found
 
 
 @dataclass(frozen=True)
@@ -113,7 +114,11 @@ def starting(draw: Draw, starts: Starts, draws: Iterable[Draw] = (), ends: Itera
     there = draw.at(place[0], first, place[1])
     even_speed = found[place] if draw.sheet.stiff else even_from(lambda speed: asked(place, speed), tried, high)
     few = 1 if draw.sheet.stiff else 8 if starts.law else 4
-    own = [asked(place, first * one.values["speed_low"] / low, one) for one in islice(draws, _DRAWS // few)]
+    k = all_places.index(place)  # which an uncertain force moves
+    own = [
+        asked(here[min(k, len(here) - 1)], first * one.values["speed_low"] / low, one)
+        for one, here in ((one, places(one)) for one in islice(draws, _DRAWS // few))
+    ]
     edges = islice(ends, _ENDS // few)
     corners = any_of(asked(at, one.values["speed_low"], one) for one in edges for at in places(one))
     spread = {"drawn": len(own), "jerky": own.count(False), "unknown": own.count(None), "ends": corners}
@@ -142,13 +147,17 @@ def speeds(draw: Draw) -> list[float]:
 
 
 def places(draw: Draw) -> list[Place]:
-    """Where a drive is started: in each direction under the larger end of the window of forces, weight included.
+    """Where a drive is started: in each direction under both ends and the middle of its forces, as far as they differ.
 
-    Under both ends where they push opposite ways.
+    Where rigid threads alone rub, the same at any speed, the end that pushes more, weight included, is enough if both
+    push the same way.
     """
-    weight, ends = draw.weight, (draw.values["force_low"], draw.values["force_high"])
-    low, high = sorted(ends, key=lambda force: abs(force + weight))
-    forces = [high] if (low + weight) * (high + weight) >= 0 else [low, high]
+    weight, low, high = draw.weight, draw.values["force_low"], draw.values["force_high"]
+    forces = [high, 0.5 * (low + high), low] if high != low else [low]
+    if draw.sheet.stiff and not (draw.sheet.dry or draw.sheet.friction.sloped):
+        forces = sorted((low, high), key=lambda force: abs(force + weight))[
+            int((low + weight) * (high + weight) >= 0) :
+        ]
     return list(product(draw.sheet.directions, forces))
 
 
