@@ -109,7 +109,8 @@ def failing(own: OwnSheet, found: dict) -> Iterator[str]:
         if what[0] == "=":
             q[what[1:]] = factor
         growth = own.growth(q)
-        stuck = own.going_on(q) or (not knock and own.going_on(q, -5.0)) if growth < 0 else []
+        followed = growth < 0 and (own.law or "friction.slope" not in own.entries)  # no motion has a slope alone
+        stuck = own.going_on(q) or (not knock and own.going_on(q, -5.0)) if followed else []
         if growth > 1e-9 or stuck:
             yield f"{what} times {factor} ends nothing: growth {growth:.3g}, goes on at {stuck}"
 

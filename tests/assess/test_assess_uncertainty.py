@@ -81,7 +81,7 @@ def test_how_often_a_perturbation_starts_vibration_is_how_often_the_force_is_bel
     chance = found.mechanisms["after_perturbation"]
     assert chance.interval[0] < share < chance.interval[1] < chance.interval[0] + 0.25
     assert chance.probability == pytest.approx(share, abs=0.02)
-    assert found.verdict == "steady until perturbed"
+    assert found.verdict == "may jerk"  # a start from rest is such a perturbation
     assert found.worst.tolerated[0] < found.draw.values["speed_low"]
     chart = charts(found.draw)[0]
     wanted = [KINDS.index(kind) for kind in ("steady_until_perturbed", "jerks_from_rest")]  # a start is a perturbation

@@ -4,7 +4,7 @@ A change is looked for up to a factor of three, and rounded to what is printed, 
 """
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -41,7 +41,8 @@ def advice(draw: Draw, edges: list[Margin], vibrates: bool, starts: Starts) -> l
     """
     asker = _Asker(draw, starts)
     near = {row.quantity: row for row in edges if vibrates}
-    found, ended = list(_absent(asker, near)), set()
+    absent = [Change(name, None, _up(row.value)) for name, row in near.items() if row.factor is None and row.value]
+    found, ended = [replace(one, left=asker.left(applied(draw, one))) for one in absent], set()
     sides = [(name, side) for name in changeable(draw.values) for side in _sides(draw, name, near.get(name))]
     steps = [(name, side[0] > 1, *step) for name, side in sides for step in pairwise([1.0, *side])]
     for name, larger, before, factor in sorted(steps, key=lambda step: _size(step[3])):
@@ -52,7 +53,8 @@ def advice(draw: Draw, edges: list[Margin], vibrates: bool, starts: Starts) -> l
         ended |= {(name, larger)} if one and not one.left else set()
         found += [one] if one else []
     best: dict[str, Change] = {}
-    for one in sorted(found, key=lambda one: (bool(one.left), _size(one.factor or MOST))):
+    stable = [one for one in found if one.left != "vibrates"]
+    for one in sorted(stable, key=lambda one: (bool(one.left), _size(one.factor or MOST))):
         best.setdefault(one.quantity, one)
     whole, part = ([one for one in best.values() if bool(one.left) == some] for some in (False, True))
     ends = [*[one for one in whole if one.factor][:3], *(one for one in whole if one.factor is None)]
@@ -64,15 +66,6 @@ def advice(draw: Draw, edges: list[Margin], vibrates: bool, starts: Starts) -> l
 def _size(factor: float | None) -> float:
     """The size of a change by a factor, however far it goes either way."""
     return abs(math.log(factor or 1.0))
-
-
-def _absent(asker: "_Asker", near: dict[str, Margin]) -> Iterator[Change]:
-    """Changes of dampings that the sheet does not give."""
-    for name, row in near.items():
-        if row.factor is None and row.value is not None:
-            left = asker.left(asker.draw.changed(**{name: (value := _up(row.value))}))
-            if left != "vibrates":
-                yield Change(name, None, value, left)
 
 
 def _sides(draw: Draw, name: str, edge: Margin | None) -> list[list[float]]:
@@ -159,6 +152,5 @@ def _level(draw: Draw) -> float:
     """The least friction of a law in the window over the largest [1]; 1 without a law."""
     if not draw.sheet.friction.law:
         return 1.0
-    sliding = np.linspace(0.0, draw.values["speed_high"], 200)
-    found = draw.at(1, sliding, 0.0).friction[0]
+    found = draw.at(1, np.linspace(0.0, draw.values["speed_high"], 200), 0.0).friction[0]
     return float(found.min() / max(found.max(), 1e-300))

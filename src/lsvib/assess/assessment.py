@@ -38,6 +38,9 @@ class Mechanism:
     sensitivities: dict[str, float]
 
 
+Found, Cases = dict[str, Mechanism], dict[str, WorstCase]
+
+
 @dataclass(frozen=True)
 class AssessedMotion:
     """A motion to show: of which mechanism, at which point of operation of which drive, and what came of it."""
@@ -144,7 +147,7 @@ def _require_a_drive(draw: Draw) -> None:
             raise InputError(f"The data sheet makes a drive that is out of range: {error}") from None
 
 
-def _mechanisms(draw: Draw, spread: Uncertainty, edges: dict[str, list[Margin]]) -> dict[str, Mechanism]:
+def _mechanisms(draw: Draw, spread: Uncertainty, edges: dict[str, list[Margin]]) -> Found:
     slopes, found = sensitivities(draw), {}
     for name, one in draw.worst.items():
         there, reserve, often = draw.critical(name), float(one.reserve[0]), spread.probability[name]
@@ -157,12 +160,7 @@ def _mechanisms(draw: Draw, spread: Uncertainty, edges: dict[str, list[Margin]])
 
 
 def _started(
-    draw: Draw,
-    found: dict[str, Mechanism],
-    cases: dict[str, WorstCase],
-    spread: Uncertainty,
-    nominal: AssessedMotion,
-    starts: Starts,
+    draw: Draw, found: Found, cases: Cases, spread: Uncertainty, nominal: AssessedMotion, starts: Starts
 ) -> Starting:
     """What becomes of a start from rest, which is followed where nothing else tells."""
     middle = min(one.reserve for one in found.values())
@@ -190,13 +188,7 @@ def _upset(motion: AssessedMotion) -> bool:
     return fatal or end != "steady sliding"
 
 
-def _verdict(
-    found: dict[str, Mechanism],
-    spread: Uncertainty,
-    cases: dict[str, WorstCase],
-    worst_motion: AssessedMotion,
-    started: Starting,
-) -> str:
+def _verdict(found: Found, spread: Uncertainty, cases: Cases, worst_motion: AssessedMotion, started: Starting) -> str:
     """The verdict, a key of :data:`lsvib.assess.words.VERDICTS`."""
     steady = [one for name, one in found.items() if name != "after_perturbation"]
     if any(one.occurs for one in steady):
@@ -218,7 +210,7 @@ def _verdict(
     return "steady without reserve" if min(one.reserve for one in steady) == 0 else "steady"
 
 
-def _critical(found: dict[str, Mechanism]) -> str:
+def _critical(found: Found) -> str:
     """The mechanism with the lowest reserve; vibration after a perturbation counts only where nothing else occurs."""
     own = {name: one for name, one in found.items() if name != "after_perturbation"}
     name = min(own, key=lambda key: own[key].reserve)
@@ -245,9 +237,7 @@ def _motion(draw: Draw, name: str) -> AssessedMotion:
     return AssessedMotion(name, there, moved, tolerated)
 
 
-def _worst_motion(
-    sheet: Sheet, found: dict[str, Mechanism], cases: dict[str, WorstCase], upset: NDArray[np.float64] | None
-) -> AssessedMotion:
+def _worst_motion(sheet: Sheet, found: Found, cases: Cases, upset: NDArray[np.float64] | None) -> AssessedMotion:
     """The motion at the worst values within the uncertainties, of the mechanism that is most likely or nearest."""
     own = {name: reserve for name, (reserve, _) in cases.items() if name != "after_perturbation"}
     name = min(own, key=lambda key: (-(found[key].probability or 0), own[key]))

@@ -262,16 +262,15 @@ class Operation:
 def most_perturbed(draw: Draw, asked: Sequence[Operation] = ()) -> tuple[bool | None, float, Operation | None]:
     """Return whether a perturbation starts vibration of a drive, the smallest of the rigid one, and where.
 
-    Asked is the exact basin at each point ``asked``, else every corner of the window, where Γ₊ or C₊ is negative, as
-    none does without (docs); where it is not known, and with parts that comply, a motion after a strong perturbation,
-    at all corners where friction is more than one number. None if that does not show it either. The smallest is in
-    rad/s, infinite if there is none.
+    Asked is the exact basin at every corner of the window where Γ₊ or C₊ is negative, as none does without (docs);
+    where it is not known, with parts that comply, and of a law at some points ``asked``, a motion after a strong
+    perturbation. None if that does not show it either. The smallest is in rad/s, infinite if there is none.
     """
     sizes, sheet = {}, draw.sheet
     points = {there.corner: there for there in asked or draw.corners}
     places = {at: there for at, there in points.items() if sheet.followed or there.reserves["after_perturbation"] < 0}
     for corner, there in places.items():
-        size = there.tolerated[0] if sheet.stiff else None
+        size = there.tolerated[0] if sheet.closed or (sheet.stiff and not asked) else None
         if not size:  # not known, or a drive that nothing damps
             try:
                 drive, work = (there.rigid if sheet.stiff else there.drive), vibration.work_of_many(sheet.parts)

@@ -423,7 +423,7 @@ class Sheet(Part):
     @property
     def contracts(self) -> bool:
         """Whether slip shrinks every area where no reserve is below zero, so that each motion becomes steady."""
-        return self.stiff and not self.followed and not self.friction.sloped
+        return self.stiff and not self.followed
 
     @property
     def closed(self) -> bool:

@@ -34,7 +34,6 @@ class Starts:
 
     def __init__(self, friction: Friction) -> None:
         self.law = friction.law and friction.sloped  # over the speed, whose motions take longer
-        self.level = friction.sloped and not friction.law  # motions are without the slope, which may be what damps
         self.work = _WORK_OF_LAW if self.law else _WORK
         self.left = _SUM * self.work
 
@@ -47,7 +46,7 @@ class Starts:
         work = self.work if self.left > 0 else _LEAST
         found = runs_evenly(drive, work)
         self.left -= work if found is None else 0
-        return None if self.level and found is False else found
+        return found
 
 
 @dataclass(frozen=True)
@@ -119,13 +118,12 @@ def starting(draw: Draw, starts: Starts, draws: Iterable[Draw] = (), ends: Itera
         asked(here[min(k, len(here) - 1)], first * one.values["speed_low"] / low, one)
         for one, here in ((one, places(one)) for one in islice(draws, _DRAWS // few))
     ]
-    edges = islice(ends, _ENDS // few)
-    corners = any_of(asked(at, one.values["speed_low"], one) for one in edges for at in places(one))
-    spread = {"drawn": len(own), "jerky": own.count(False), "unknown": own.count(None), "ends": corners}
-    jerks = any_of(answers.values())
-    if not jerks:
-        return Starting(jerks, there, even_speed, **spread)
-    return Starting(True, there, even_speed, there.motion(None), _cause(there, starts), **spread)
+    edges = ((one, at) for one in islice(ends, _ENDS // few) for at in places(one))
+    corners = any_of(asked(at, one.values["speed_low"], one) for one, at in edges)
+    spread: dict[str, Any] = {"drawn": len(own), "jerky": own.count(False), "unknown": own.count(None), "ends": corners}
+    if jerks := any_of(answers.values()):
+        spread |= {"motion": there.motion(None), "cause": _cause(there, starts)}
+    return Starting(jerks, there, even_speed, **spread)
 
 
 def _cause(there: Operation, starts: Starts) -> str:
