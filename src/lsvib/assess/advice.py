@@ -14,6 +14,7 @@ from lsvib.assess.fields import LARGEST_HALF_ANGLE
 from lsvib.assess.margins import Margin, applied, changeable
 from lsvib.assess.operation import Draw, Operation, most_perturbed
 from lsvib.assess.starting import Starts, places, speeds
+from lsvib.assess.vibration import UNDECIDED
 from lsvib.models.drive import STATIC
 
 MOST = 3.0  # the largest factor that is tried, and its inverse
@@ -26,8 +27,9 @@ _LEAST_LAW = 0.1  # of the largest friction in the window: below it a law of fri
 class Change(Margin):
     """A change of one quantity, and what is ``left`` of vibration with it at the middle values.
 
-    That is ``""``, ``knock``, if a perturbation may still start vibration, ``start``, if steady running is stable, but
-    not reached from rest, or ``unknown``, if it is not known whether it is. A damping that is zero has no factor.
+    That is ``""``, ``knock``, if a perturbation may still start vibration (``unknown knock``, if that is not known),
+    ``start``, if steady running is stable, but not reached from rest, or ``unknown``, if it is not known whether it is.
+    A damping that is zero has no factor.
     """
 
     left: str = ""
@@ -58,9 +60,15 @@ def advice(draw: Draw, edges: list[Margin], vibrates: bool, starts: Starts) -> l
         best.setdefault(one.quantity, one)
     whole, part = ([one for one in best.values() if bool(one.left) == some] for some in (False, True))
     ends = [*[one for one in whole if one.factor][:3], *(one for one in whole if one.factor is None)]
-    knocked = [most_perturbed(own, _points(own))[0] for own in (applied(draw, one) for one in ends)]
-    ends = [replace(one, left="knock" if upset else "") for one, upset in zip(ends, knocked, strict=True)]
-    return [*ends, *(part[:3] if vibrates else ())]
+    return [*(replace(one, left=_knocked(applied(draw, one))) for one in ends), *(part[:3] if vibrates else ())]
+
+
+def _knocked(draw: Draw) -> str:
+    """What a strong knock leaves of vibration, as of :class:`Change`."""
+    if draw.sheet.closed:
+        return "knock" if most_perturbed(draw)[0] else ""
+    ends = {there.after_knock for there in _points(draw)} - {"steady sliding"}
+    return "knock" if ends - set(UNDECIDED) else "unknown knock" if ends else ""
 
 
 def _size(factor: float | None) -> float:
@@ -135,7 +143,7 @@ class _Asker:
         if not steady >= 0 or _level(own) < min(_LEAST_LAW, self.level):
             return "vibrates"
         points = _points(own)
-        sure = own.sheet.contracts and min(reserves.values()) > 0
+        sure = own.sheet.stiff and not own.sheet.followed and min(reserves.values()) > 0  # then slip shrinks areas
         for k in [] if sure else sorted(range(len(points)), key=lambda k: k != self.failed):
             if (even := self.starts.evenly(points[k])) is not True:
                 self.failed = k

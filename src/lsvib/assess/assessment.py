@@ -166,7 +166,7 @@ def _started(
     middle = min(one.reserve for one in found.values())
     lowest = min(middle, *(case for case, _ in cases.values()), 1.0)
     unstable = any(one.occurs for name, one in found.items() if name != "after_perturbation")
-    if draw.sheet.contracts and lowest > 0:
+    if draw.sheet.stiff and not draw.sheet.followed and lowest > 0:  # then slip shrinks every area
         return Starting(False, nominal.there, 0.0)
     if not draw.sheet.followed and (unstable or middle == 0):
         # A start from rest tells nothing new: it cannot become steady, as nothing damps it, or worse.

@@ -254,31 +254,34 @@ class Operation:
         return vibration.vibration(drive, perturbation, parts, self.draw.sheet.friction.law)
 
     @cached_property
+    def after_knock(self) -> str:
+        """What a motion after a strong perturbation ends in, by the words of :func:`lsvib.assess.vibration.word`."""
+        parts = self.draw.sheet.parts
+        try:
+            drive = self.drive if parts else self.rigid
+            return vibration.word(vibration.ended(drive, -vibration.STRONG, vibration.work_of_many(parts))[-1].label)
+        except (InputError, EngineError):
+            return "unknown"
+
+    @cached_property
     def tolerated(self) -> vibration.Tolerated:
         """The sudden change of the screw's speed [rad/s] that the rigid drive tolerates, and a sentence."""
         return vibration.tolerated(self.rigid)
 
 
-def most_perturbed(draw: Draw, asked: Sequence[Operation] = ()) -> tuple[bool | None, float, Operation | None]:
+def most_perturbed(draw: Draw) -> tuple[bool | None, float, Operation | None]:
     """Return whether a perturbation starts vibration of a drive, the smallest of the rigid one, and where.
 
     Asked is the exact basin at every corner of the window where Γ₊ or C₊ is negative, as none does without (docs);
-    where it is not known, with parts that comply, and of a law at some points ``asked``, a motion after a strong
-    perturbation. None if that does not show it either. The smallest is in rad/s, infinite if there is none.
+    where it is not known, a motion after a strong perturbation. None if that does not show it either. The smallest is
+    in rad/s, infinite if there is none.
     """
-    sizes, sheet = {}, draw.sheet
-    points = {there.corner: there for there in asked or draw.corners}
-    places = {at: there for at, there in points.items() if sheet.followed or there.reserves["after_perturbation"] < 0}
+    sizes, follow = {}, draw.sheet.followed
+    places = {there.corner: there for there in draw.corners if follow or there.reserves["after_perturbation"] < 0}
     for corner, there in places.items():
-        size = there.tolerated[0] if sheet.closed or (sheet.stiff and not asked) else None
-        if not size:  # not known, or a drive that nothing damps
-            try:
-                drive, work = (there.rigid if sheet.stiff else there.drive), vibration.work_of_many(sheet.parts)
-                strong = vibration.word(vibration.ended(drive, -vibration.STRONG, work)[-1].label)
-            except (InputError, EngineError):
-                strong = "unknown"
-            size = None if strong in ("steady sliding", *vibration.UNDECIDED) else vibration.STRONG * there.speed
-        sizes[corner] = size
+        calm, size = ("steady sliding", *vibration.UNDECIDED), there.tolerated[0] if draw.sheet.stiff else None
+        # One that is not known, or of a drive that nothing damps, a motion shows.
+        sizes[corner] = size or (None if there.after_knock in calm else vibration.STRONG * there.speed)
     known = {corner: size for corner, size in sizes.items() if size is not None}
     size, first = min(((size, corner) for corner, size in known.items()), default=(math.inf, None))
     started = True if size < math.inf else None if len(known) < len(sizes) else False

@@ -421,11 +421,6 @@ class Sheet(Part):
         return self.friction.law or bool(self.spreads.keys() & {"bearing.static", "guide.static"})
 
     @property
-    def contracts(self) -> bool:
-        """Whether slip shrinks every area where no reserve is below zero, so that each motion becomes steady."""
-        return self.stiff and not self.followed
-
-    @property
     def closed(self) -> bool:
         """Whether the basin is known: parts are rigid, and only the threads rub, with a coefficient at each point."""
         return self.stiff and not self.friction.law and not self.dry
