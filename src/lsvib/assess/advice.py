@@ -12,14 +12,14 @@ import numpy as np
 
 from lsvib.assess.fields import LARGEST_HALF_ANGLE
 from lsvib.assess.margins import Margin, applied, changeable
-from lsvib.assess.operation import Draw, Operation, most_perturbed
+from lsvib.assess.operation import Draw, Operation
 from lsvib.assess.starting import Starts, places, speeds
 from lsvib.assess.vibration import UNDECIDED
 from lsvib.models.drive import STATIC
 
 MOST = 3.0  # the largest factor that is tried, and its inverse
 _FACTORS = (1.5, MOST)
-_CLOSE = 0.02  # of a change, to which it is closed in on
+_CLOSE = 0.05  # of a change, to which it is closed in on
 _LEAST_LAW = 0.1  # of the largest friction in the window: below it a law of friction is not what was measured
 
 
@@ -66,7 +66,7 @@ def advice(draw: Draw, edges: list[Margin], vibrates: bool, starts: Starts) -> l
 def _knocked(draw: Draw) -> str:
     """What a strong knock leaves of vibration, as of :class:`Change`."""
     if draw.sheet.closed:
-        return "knock" if most_perturbed(draw)[0] else ""
+        return "knock" if draw.most_perturbed[0] else ""
     ends = {there.after_knock for there in _points(draw)} - {"steady sliding"}
     return "knock" if ends - set(UNDECIDED) else "unknown knock" if ends else ""
 

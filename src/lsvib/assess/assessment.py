@@ -11,7 +11,7 @@ from lsvib.assess import vibration as motions
 from lsvib.assess.advice import Change, advice
 from lsvib.assess.margins import ANY, Margin, margins, sensitivities
 from lsvib.assess.mechanisms import NAMES
-from lsvib.assess.operation import Draw, Operation, most_perturbed
+from lsvib.assess.operation import Draw, Operation
 from lsvib.assess.sheet import Sheet
 from lsvib.assess.starting import Starting, Starts, starting
 from lsvib.assess.statics import Statics, statics
@@ -153,7 +153,7 @@ def _mechanisms(draw: Draw, spread: Uncertainty, edges: dict[str, list[Margin]])
         there, reserve, often = draw.critical(name), float(one.reserve[0]), spread.probability[name]
         occurs: bool | None = reserve < 0
         if name == "after_perturbation":
-            occurs, _, first = most_perturbed(draw) if draw.sheet.stiff else (None, None, None)
+            occurs, _, first = draw.most_perturbed if draw.sheet.stiff else (None, None, None)
             there = first or there
         found[name] = Mechanism(name, occurs, reserve, there, often.value, often.interval, edges[name], slopes[name])
     return found
@@ -222,7 +222,7 @@ def _critical(found: Found) -> str:
 def _motion(draw: Draw, name: str) -> AssessedMotion:
     sheet, there = draw.sheet, draw.critical(name)
     if name == "after_perturbation" and sheet.support is None:
-        there = most_perturbed(draw)[2] or there
+        there = draw.most_perturbed[2] or there
     if name == "falling_friction" and draw.worst[name].reserve[0] < 0 and not sheet.friction.law:
         reason = "friction that falls with speed makes steady running unstable there; the motion beyond that onset is "
         beyond = motions.Vibration((), "unknown", reason=reason + "not computed, only the onset.")

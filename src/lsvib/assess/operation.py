@@ -156,6 +156,25 @@ class Draw:
         """The lowest reserve of each mechanism over the window, see :func:`lsvib.assess.window.worst`."""
         return window.worst(self)
 
+    @cached_property
+    def most_perturbed(self) -> "tuple[bool | None, float, Operation | None]":
+        """Return whether a perturbation starts vibration of a drive, the smallest of the rigid one, and where.
+
+        Asked is the exact basin at every corner of the window where Γ₊ or C₊ is negative, as none does without (docs);
+        where it is not known, a motion after a strong perturbation. None if that does not show it either. The smallest
+        is in rad/s, infinite if there is none.
+        """
+        sizes, follow = {}, self.sheet.followed
+        places = {there.corner: there for there in self.corners if follow or there.reserves["after_perturbation"] < 0}
+        for corner, there in places.items():
+            calm, size = ("steady sliding", *vibration.UNDECIDED), there.tolerated[0] if self.sheet.stiff else None
+            # One that is not known, or of a drive that nothing damps, a motion shows.
+            sizes[corner] = size or (None if there.after_knock in calm else vibration.STRONG * there.speed)
+        known = {corner: size for corner, size in sizes.items() if size is not None}
+        size, first = min(((size, corner) for corner, size in known.items()), default=(math.inf, None))
+        started = True if size < math.inf else None if len(known) < len(sizes) else False
+        return started, size, places[first] if first else None
+
     def critical(self, mechanism: str) -> "Operation":
         """Return the point of the window at which one drive has the lowest reserve of a mechanism."""
         worst = self.worst[mechanism]
@@ -267,22 +286,3 @@ class Operation:
     def tolerated(self) -> vibration.Tolerated:
         """The sudden change of the screw's speed [rad/s] that the rigid drive tolerates, and a sentence."""
         return vibration.tolerated(self.rigid)
-
-
-def most_perturbed(draw: Draw) -> tuple[bool | None, float, Operation | None]:
-    """Return whether a perturbation starts vibration of a drive, the smallest of the rigid one, and where.
-
-    Asked is the exact basin at every corner of the window where Γ₊ or C₊ is negative, as none does without (docs);
-    where it is not known, a motion after a strong perturbation. None if that does not show it either. The smallest is
-    in rad/s, infinite if there is none.
-    """
-    sizes, follow = {}, draw.sheet.followed
-    places = {there.corner: there for there in draw.corners if follow or there.reserves["after_perturbation"] < 0}
-    for corner, there in places.items():
-        calm, size = ("steady sliding", *vibration.UNDECIDED), there.tolerated[0] if draw.sheet.stiff else None
-        # One that is not known, or of a drive that nothing damps, a motion shows.
-        sizes[corner] = size or (None if there.after_knock in calm else vibration.STRONG * there.speed)
-    known = {corner: size for corner, size in sizes.items() if size is not None}
-    size, first = min(((size, corner) for corner, size in known.items()), default=(math.inf, None))
-    started = True if size < math.inf else None if len(known) < len(sizes) else False
-    return started, size, places[first] if first else None

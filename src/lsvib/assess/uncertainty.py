@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import binomtest, qmc, sobol_indices, uniform
 
-from lsvib.assess.operation import Draw, most_perturbed
+from lsvib.assess.operation import Draw
 from lsvib.assess.sheet import Sheet
 from lsvib.assess.window import count_of, worst
 from lsvib.errors import InputError
@@ -134,7 +134,7 @@ def _perturbed(
     answers = []
     corners = count_of(Draw.of(sheet))
     for k in candidates[: min(ASKED, max(ASKED_CORNERS // corners, 16))]:
-        answers.append((k, *most_perturbed(Draw.of(sheet, points[:, k]))))
+        answers.append((k, *Draw.of(sheet, points[:, k]).most_perturbed))
     hits, asked = sum(answer is True for _, answer, *_ in answers), len(answers)
     unknown = sum(answer is None for _, answer, *_ in answers)
     value = candidates.size / reserve.size * hits / (asked - unknown) if unknown < asked else None
