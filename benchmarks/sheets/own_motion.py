@@ -12,6 +12,7 @@ from numba import njit
 from scipy.linalg import solve_continuous_lyapunov
 
 SETTLES, UNDECIDED, GOES_ON = 1, 0, -1
+MANY = 10_000  # events after which a motion is not decided
 NAMES = ("I", "m", "k", "c", "c_x", "r", "tan", "cos", "R", "F", "F_s", "T", "T_s", "collar", "speed", "mu", "mu_s",
          "rise", "v_s", "exponent", "slope", "J", "K_i", "K_p", "d")  # fmt: skip
 (I_, M, K, C, CX, R, TAN, COS, FORCE, F, FS, T, TS, COLLAR, SPEED, MU, MUS, RISE, VS, EXPONENT, SLOPE, J, KI, KP,
@@ -191,8 +192,8 @@ def followed(p, z, steady, shape, inside, fastest, neutral, most):
         turned = turned and (kind == 0 or (kind == 2 and way != 0))
         away = z - steady
         energy = away @ shape @ away if look or count % 32 == 0 else math.inf
-        if side == 0 or (way == sense and not neutral and energy < inside):
-            return 0 if side == 0 else 1, 0.0, 0.0
+        if side == 0 or dry > MANY or (way == sense and not neutral and energy < inside):
+            return 0 if side == 0 or dry > MANY else 1, 0.0, 0.0
         if not look or until < math.inf:
             continue
         looks += 1
