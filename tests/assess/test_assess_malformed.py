@@ -304,7 +304,7 @@ def test_a_start_from_rest_keeps_jerking_up_to_the_stated_speed():
     """On either side of it by two parts in a thousand; small perturbations decay there, as steady sliding is stable."""
     given = sheet(friction={**LAW, "static": 0.4}, operation=SLOW, load={"mass": "1 kg", "force": "-60 N"})
     draw = Draw.of(given)
-    edge = starting(draw, Starts(given.friction)).even_speed
+    edge = starting(draw, Starts(given)).even_speed
     moved = [draw.at(1, part * edge, -60.0).motion(None) for part in (0.998, 1.002)]
     assert [one.vibrates for one in moved] == [True, False]
     assert draw.at(1, 0.998 * edge, -60.0).motion().attractor == "steady sliding"

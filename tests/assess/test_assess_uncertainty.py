@@ -174,7 +174,7 @@ def changes_that_help(seeds) -> int:
                 own = found.draw.scaled(keys, factor)
                 speeds = [own.values["speed_low"], own.values["speed_high"]]
                 places = [own.at(way, at, own.values["force_low"]) for way in own.sheet.directions for at in speeds]
-                assert all(map(Starts(own.sheet.friction).evenly, places)) == quiet
+                assert all(map(Starts(own.sheet).evenly, places)) == quiet
             count += 1
     return count
 

@@ -33,7 +33,7 @@ def test_with_a_light_screw_on_a_stiff_coupling_it_is_a_block():
     draw = Draw.of(SHEET).changed(coupling_stiffness=1e6, screw_inertia=1e-6, screw_mass=1e-3)
     for direction in (1, -1):
         there = [draw.at(direction, part * block / draw.travel, 0.0) for part in (0.999, 1.001)]
-        runs = [Starts(SHEET.friction).evenly(one) for one in there]
+        runs = [Starts(SHEET).evenly(one) for one in there]
         assert runs == [False, True]
 
 

@@ -95,7 +95,8 @@ def test_the_keyboard_does_what_a_hand_does(page):
     words(page, "It ends on steady sliding")
     page.locator(".noUi-handle").nth(7).focus()  # of the mass
     page.keyboard.press("ArrowRight")
-    page.wait_for_function("new URLSearchParams(location.search).get('mass') > 11", timeout=_PATIENCE)
+    page.wait_for_function("new URLSearchParams(location.search).get('mass') != 11", timeout=_PATIENCE)
+    assert float(dict(parse_qsl(urlsplit(page.url).query))["mass"]) > 11
 
 
 def test_what_is_refused_is_said_and_changes_nothing(page):

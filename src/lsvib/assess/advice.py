@@ -43,7 +43,7 @@ def advice(draw: Draw, edges: list[Margin], vibrates: bool, starts: Starts) -> l
     """
     asker = _Asker(draw, starts)
     near = {row.quantity: row for row in edges if vibrates}
-    absent = [Change(name, None, _up(row.value)) for name, row in near.items() if row.factor is None and row.value]
+    absent = [Change(name, None, _digits(row.value)) for name, row in near.items() if row.factor is None and row.value]
     found, ended = [replace(one, left=asker.left(applied(draw, one))) for one in absent], set()
     sides = [(name, side) for name in changeable(draw.values) for side in _sides(draw, name, near.get(name))]
     steps = [(name, side[0] > 1, *step) for name, side in sides for step in pairwise([1.0, *side])]
@@ -83,9 +83,9 @@ def _sides(draw: Draw, name: str, edge: Margin | None) -> list[list[float]]:
         side = sides[edge.factor < 1]
         side[:] = [edge.factor, *(factor for factor in side if _size(factor / edge.factor) > _CLOSE)]
         side.sort(key=_size)
-    if slowest := STATIC.get(name):  # it cannot be below that of slow sliding, nor that by rounding
-        least = sum(draw.values.get(key, 0.0) for key in slowest) / draw.values[name] * (1 + 1e-12)
-        return [[*(factor for factor in sides[1] if factor > least), *([least] if least > 1 / MOST else [])]]
+    if name in STATIC:
+        least = _least(draw, name)
+        return [[*(factor for factor in sides[1] if factor > least), *([least] if 1 / MOST < least < 1 else [])]]
     if any(name in slowest and static in draw.values for static, slowest in STATIC.items()):
         return sides[1:]  # what raises friction in motion raises that at rest, too
     if name == "half_angle":
@@ -99,32 +99,35 @@ def _between(asker: "_Asker", name: str, before: float, factor: float, most: flo
     Those above the size ``most`` are not looked for.
     """
     draw, keys = asker.draw, changeable(asker.draw.values)[name]
-    slowest = sum(draw.values.get(key, 0.0) for key in STATIC.get(name, ())) / max(map(abs, map(draw.values.get, keys)))
-
-    def printed(factor: float) -> float:
-        """Return a factor as it is printed; friction at rest stays above that of slow sliding."""
-        least = round(1 - _up(1 - slowest, math.floor), 12) if 0 < slowest < 1 else 0.0
-        return max(_rounded(factor), least)
-
-    left = asker.left(draw.scaled(keys, printed(factor)))
+    left = asker.left(draw.scaled(keys, _printed(draw, name, factor)))
     if not left:
         bad, good = before, factor
         while abs(math.log(good / bad)) > _CLOSE * _size(good) and _size(bad) < most:
             middle = math.sqrt(good * bad)
             bad, good = (middle, good) if asker.left(draw.scaled(keys, middle)) else (bad, middle)
         factor = good
-        left = asker.left(draw.scaled(keys, printed(factor)))
+        left = asker.left(draw.scaled(keys, _printed(draw, name, factor)))
     if left == "vibrates" or _size(factor) >= most:
         return None
-    return Change(name, printed(factor), printed(factor) * max((draw.values[key] for key in keys), key=abs), left)
+    factor = _printed(draw, name, factor)
+    return Change(name, factor, factor * max((draw.values[key] for key in keys), key=abs), left)
 
 
-def _rounded(factor: float) -> float:
+def _least(draw: Draw, name: str) -> float:
+    """The least factor on friction at rest, which stays above that of slow sliding; zero on another quantity."""
+    if name not in STATIC:
+        return 0.0
+    room = 1 - sum(draw.values.get(key, 0.0) for key in STATIC[name]) / draw.values[name]
+    return round(1 - _digits(max(room, 0.0), math.floor), 12)
+
+
+def _printed(draw: Draw, name: str, factor: float) -> float:
     """Return a factor whose change has two digits, as it is printed, and is no smaller."""
-    return _up(factor) if factor >= 2 else round(1 + math.copysign(_up(abs(factor - 1)), factor - 1), 12)
+    change = math.copysign(_digits(abs(factor - 1)), factor - 1)
+    return _digits(factor) if factor >= 2 else max(round(1 + change, 12), _least(draw, name))
 
 
-def _up(size: float, towards: Callable[[float], int] = math.ceil) -> float:
+def _digits(size: float, towards: Callable[[float], int] = math.ceil) -> float:
     """Return a size rounded up, or down, to two digits."""
     step = 10.0 ** (math.floor(math.log10(max(size, 1e-12))) - 1)
     return float(f"{towards(size / step * (1 - 1e-9)) * step:.2g}")

@@ -108,7 +108,7 @@ def assess(sheet: Sheet, samples: int = 4096, seed: int = 1) -> Assessment:
         sure: dict[str, Any] = {"probability": 1.0, "interval": (1.0, 1.0)} if spread.samples == 1 else {}
         perturbed = replace(found["after_perturbation"], occurs=True, there=nominal.there, **sure)
         found["after_perturbation"] = perturbed  # as the motion shows it, whatever its reserve says
-    starts = Starts(sheet.friction)
+    starts = Starts(sheet)
     started = _started(draw, found, cases, spread, nominal, starts)
     worst_motion = _worst_motion(sheet, found, cases, spread.upset) if cases else nominal
     verdict = _verdict(found, spread, cases, worst_motion, started)
@@ -171,7 +171,7 @@ def _started(
     if not draw.sheet.followed and (unstable or middle == 0):
         # A start from rest tells nothing new: it cannot become steady, as nothing damps it, or worse.
         return Starting(None, nominal.there, None)
-    shares = (spread.points, ends(draw.sheet)) if draw.sheet.random else ()
+    shares = (spread.points[:, : starts.draws], ends(draw.sheet, starts.ends)) if draw.sheet.random else ()
     return starting(draw, starts, *((Draw.of(draw.sheet, one) for one in part.T) for part in shares))
 
 

@@ -70,9 +70,8 @@ def _oscillations(assessment: Assessment) -> list[str]:
         except InputError:  # the contact carries no force
             return []
         pairs = sorted((root for root in roots if root.imag > 0), key=abs)
-        found.append(
-            ", ".join(f"{shown(abs(z) / (2 * math.pi), 'Hz')} (ζ = {shown(0.0 - z.real / abs(z), '')})" for z in pairs)
-        )
+        ratios = ((abs(z), 0.0 - z.real / abs(z)) for z in pairs)
+        found.append(", ".join(f"{shown(w / (2 * math.pi), 'Hz')} (ζ = {shown(zeta, '')})" for w, zeta in ratios))
     return found
 
 

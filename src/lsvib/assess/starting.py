@@ -6,14 +6,14 @@ The motions are those of :mod:`lsvib.stability.starting`, at the ends of the ran
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
-from itertools import islice, pairwise, product
+from itertools import pairwise, product
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lsvib.assess.operation import Draw, Operation
-from lsvib.assess.sheet import Friction
+from lsvib.assess.sheet import Sheet
 from lsvib.assess.vibration import Vibration
 from lsvib.errors import InputError
 from lsvib.models.drive import STATIC
@@ -32,9 +32,11 @@ Place = tuple[int, float]  # direction of travel, force [N]
 class Starts:
     """Starts of the drives of one sheet from rest; those that come to no end share an allowance of work."""
 
-    def __init__(self, friction: Friction) -> None:
-        self.law = friction.law and friction.sloped  # over the speed, whose motions take longer
-        self.work = _WORK_OF_LAW if self.law else _WORK
+    def __init__(self, sheet: Sheet) -> None:
+        law = sheet.friction.law and sheet.friction.sloped  # over the speed, whose motions take longer
+        few = 1 if sheet.stiff else 8 if law else 4
+        self.draws, self.ends = _DRAWS // few, _ENDS // few
+        self.work = _WORK_OF_LAW if law else _WORK
         self.left = _SUM * self.work
 
     def evenly(self, there: Operation, stiff: bool = False) -> bool | None:
@@ -57,10 +59,10 @@ class Starting:
     known. ``there``: the slowest such point of operation, or where it is nearest to that; ``even_speed`` [rad/s] of the
     screw there, from which on it runs evenly: zero if at all speeds tried, infinite if at none up to :data:`BEYOND`
     times the highest, None where it is not known. ``motion`` from rest there, if it jerks. ``cause`` there:
-    ``threads``, ``guide`` or ``bearing``, without whose surplus of friction at rest it runs evenly, ``static``, if it
-    does without that of all of these, ``law``, if without any change of friction with the speed, else empty.
-    Of ``drawn`` random drives ``jerky`` ones do so there, and of ``unknown`` ones it is not known; ``ends``: whether
-    one with all uncertain entries at an end of theirs does, at the lowest speed.
+    ``threads``, ``guide`` or ``bearing``, without whose surplus of friction at rest it runs evenly, ``static``, without
+    that of all of these, ``law``, without any change of friction with the speed, ``unknown``, or empty. Of ``drawn``
+    random drives ``jerky`` ones do so there, of ``unknown`` ones it is not known; ``ends``: whether one with all
+    uncertain entries at an end of theirs does, at the lowest speed.
     """
 
     jerks: bool | None
@@ -82,14 +84,14 @@ class Starting:
         return self.jerky / known if known else None
 
 
-def any_of(answers: Iterable[bool | None]) -> bool | None:
+def any_jerks(answers: Iterable[bool | None]) -> bool | None:
     """Whether one of some drives does not run evenly, by whether each does; None where that is not known."""
     found = list(answers)
     return True if False in found else None if None in found else False
 
 
 def starting(draw: Draw, starts: Starts, draws: Iterable[Draw] = (), ends: Iterable[Draw] = ()) -> Starting:
-    """Start a drive at the middle values, some of ``draws``, random ones, and those at the ``ends`` of their entries.
+    """Start a drive at the middle values, random ``draws``, and those at the ``ends`` of their entries.
 
     With parts that comply the corner is that of the drive with rigid ones, and there the whole drive is started.
     """
@@ -112,16 +114,14 @@ def starting(draw: Draw, starts: Starts, draws: Iterable[Draw] = (), ends: Itera
     place, first = jerky[0] if jerky else (worst, low)
     there = draw.at(place[0], first, place[1])
     even_speed = found[place] if draw.sheet.stiff else even_from(lambda speed: asked(place, speed), tried, high)
-    few = 1 if draw.sheet.stiff else 8 if starts.law else 4
-    k = all_places.index(place)  # which an uncertain force moves
+    k = [at for at in all_places[::-1] if at[0] == place[0]].index(place)  # an uncertain force moves it
     own = [
         asked(here[min(k, len(here) - 1)], first * one.values["speed_low"] / low, one)
-        for one, here in ((one, places(one)) for one in islice(draws, _DRAWS // few))
+        for one, here in ((one, [at for at in places(one)[::-1] if at[0] == place[0]]) for one in draws)
     ]
-    edges = ((one, at) for one in islice(ends, _ENDS // few) for at in places(one))
-    corners = any_of(asked(at, one.values["speed_low"], one) for one, at in edges)
+    corners = any_jerks(asked(at, one.values["speed_low"], one) for one in ends for at in places(one))
     spread: dict[str, Any] = {"drawn": len(own), "jerky": own.count(False), "unknown": own.count(None), "ends": corners}
-    if jerks := any_of(answers.values()):
+    if jerks := any_jerks(answers.values()):
         spread |= {"motion": there.motion(None), "cause": _cause(there, starts)}
     return Starting(jerks, there, even_speed, **spread)
 
@@ -134,8 +134,8 @@ def _cause(there: Operation, starts: Starts) -> str:
     if draw.sheet.followed:
         without["static"] = {static: 0.0 for one in without.values() for static in one}
         without["law"] = {**without["static"], "stribeck_rise": 0.0, "friction_slope": 0.0}
-    own = ((name, draw.changed(**none).at(*there.corner)) for name, none in without.items())
-    return next((name for name, one in own if starts.evenly(one)), "")
+    known = {name: starts.evenly(draw.changed(**none).at(*there.corner)) for name, none in without.items()}
+    return next((name for name, even in known.items() if even), "unknown" if None in known.values() else "")
 
 
 def speeds(draw: Draw) -> list[float]:
@@ -168,7 +168,7 @@ def outcomes(draw: Draw, direction: int, turning: NDArray[Any], force: NDArray[A
     answer of the nearest of 9 by 9.
     """
 
-    starts = Starts(draw.sheet.friction)
+    starts = Starts(draw.sheet)
 
     def asked(speed: float, push: float) -> float:
         """The answer at a point."""

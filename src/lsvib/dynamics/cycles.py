@@ -245,6 +245,7 @@ def random_starts(drive: Drive) -> list[np.ndarray]:
     (angle, rate), lever = swing(drive), drive.pitch_radius * math.tan(drive.lead_angle)
     sizes = [angle + abs(float(coefficients(drive).deflection)), rate]
     for part in drive.parts:
+        # Compliant threads have no body of their own: it is the load's.
         inertia, stiffness = (getattr(drive, name) for name in ("mass", *PARTS[part])[-3:-1])
         along = lever if part == "threads" or BODIES[part].pushed == "contact" else 1.0
         sizes += [along * min(rate * math.sqrt(inertia / stiffness), angle), along * rate]

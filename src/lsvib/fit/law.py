@@ -230,10 +230,8 @@ def fitted(measured: Measured, given: Mapping[str, float] | None = None) -> Fit:
         laws.append({**known, **flat, "stribeck_exponent": exponents[0]})
     solved = [(law, _first_end(measured, law, alike)) for law in laws]
     # A rise whose error is as large as it is known by nothing: it fades below the slowest speed.
-    known_rise = [
-        one for one in solved if one[1][0].errors.get("stribeck_rise", 0.0) <= one[1][0].values["stribeck_rise"]
-    ]
-    solved = known_rise or solved
+    seen = [one for one in solved if one[1][0].errors.get("stribeck_rise", 0.0) <= one[1][0].values["stribeck_rise"]]
+    solved = seen or solved
     fixed, (first, singular, lost) = min(solved, key=lambda one: _schwarz(one[1][0]))
     rising = [one for law, (one, *_) in solved if one is not first and law.get("stribeck_rise") != 0]
     near = [one for one in rising if _schwarz(one) - _schwarz(first) < SURE and fixed.get("stribeck_rise") != 0]

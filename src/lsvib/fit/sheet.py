@@ -415,9 +415,8 @@ def _table(path: Path, block: Measurements, load: Load, lead: float, alone: bool
     factors[0] *= 2 * math.pi / lead if block.speed.unit[1] == "m/s" else 1.0  # from the load's speed to the screw's
     table = read_table(path, [column.column for column in columns], factors, block.separator, block.decimal)
     timed = block.time or block.sampling
-    skipped = (
-        [f"{path.name}: rows that are not numbers, or of another width ({table.skipped})"] if table.skipped else []
-    )
+    lost = f"{path.name}: rows that are not numbers, or of another width ({table.skipped})"
+    skipped = [lost] if table.skipped else []
     if block.point == "row" or (block.point is None and alone and not timed):
         if block.point is None:
             refuse_record(table)
