@@ -92,6 +92,8 @@ def test_even_speed_in_25_digits(drive):
 SMOOTH = JERKING.replace(static_friction_coefficient=0.0, axial_force=0.0)  # nothing that gives its friction a size
 OTHERS = [(JERKING, "coupling_stiffness"), (JERKING, "support_damping"), (JERKING, "static_friction_coefficient")]
 OTHERS += [(SMOOTH, "slide_static_friction"), (SMOOTH, "bearing_static_friction")]
+OTHERS += [(Drive(static_friction_coefficient=0.3, input_speed=1), "friction_coefficient")]  # at the end of its range
+OTHERS += [(JERKING.replace(input_speed=2), "friction_slope")]  # negative
 
 
 @pytest.mark.parametrize(("drive", "unknown"), OTHERS, ids=[unknown for _, unknown in OTHERS])

@@ -17,7 +17,7 @@ from flint import arb, arb_mat, arb_poly, arb_series, fmpq
 
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.errors import EngineError, InputError, NoThreshold
-from lsvib.models.drive import PART_OF, PARTS, Drive, zero_if_close
+from lsvib.models.drive import PART_OF, PARTS, Drive, rules_of, zero_if_close
 from lsvib.stability.spectrum import SAME
 
 Equations = Callable[[Mapping[str, Any], Sequence[Any]], Sequence[Any]]
@@ -275,19 +275,30 @@ def _edge(at: Callable[[float], float | None], before: Sample, after: Sample) ->
 
 
 def samples(
-    drive: Drive, unknown: str, ends: Sequence[float], decades: int = DECADES, per_decade: int = 12
+    drive: Drive, unknown: str, ends: Sequence[float] = (), decades: int = DECADES, per_decade: int = 12
 ) -> list[float]:
     """Return the values of a parameter at which a gap is looked at, in ascending order, all of them allowed.
 
-    Over so many ``decades`` on both sides of the drive's own value (or a natural size, if that is zero), and closer and
-    closer, to 1e-8, to the ``ends``, at which a threshold may begin or end.
+    Over so many ``decades`` on both sides of the drive's own value (or a natural size, if that is zero), with the last
+    values that are allowed on the way; closer and closer, to 1e-8, to these and to the ``ends``, at which a threshold
+    may begin or end.
     """
     middle = abs(getattr(drive, unknown)) or _natural(drive, unknown)
     sizes = middle * np.logspace(-decades, decades, 2 * per_decade * decades + 1)  # of 12, a fifth from one to the next
-    signs = (-1, 1) if unknown in ("axial_force", "input_speed") else (1,)
-    values = {sign * size for sign in signs for size in sizes.tolist()}
-    values |= {end * (1 + side * 0.3**k) for end in ends for side in (-1, 1) for k in range(1, 16)}
-    return sorted(value for value in values if allowed(drive, unknown, value))
+    signs = (-1, 1) if rules_of(Drive)[unknown].get("minimum", 0) < 0 else (1,)
+    values = sorted(sign * size for sign in signs for size in sizes.tolist())
+    known = [(value, allowed(drive, unknown, value)) for value in values]
+    limits = [_limit(drive, unknown, *pair) for pair in pairwise(known) if pair[0][1] != pair[1][1]]
+    near = {end * (1 + side * 0.3**k) for end in (*ends, *limits) for side in (-1, 1) for k in range(1, 16)}
+    return sorted(value for value in near.union(values, limits) if allowed(drive, unknown, value))
+
+
+def _limit(drive: Drive, unknown: str, before: tuple[float, bool], after: tuple[float, bool]) -> float:
+    """The last value that is allowed between two, with whether they are, of which one is not."""
+    inside, outside = (before[0], after[0]) if before[1] else (after[0], before[0])
+    while (middle := 0.5 * (inside + outside)) not in (inside, outside):
+        inside, outside = (middle, outside) if allowed(drive, unknown, middle) else (inside, middle)
+    return inside
 
 
 def _natural(drive: Drive, unknown: str) -> float:

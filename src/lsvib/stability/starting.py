@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING
 
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.errors import EngineError, InputError, NoThreshold
-from lsvib.models.drive import STATIC, Drive, once
+from lsvib.models.drive import Drive, once
 from lsvib.models.mechanism import standing_state
 from lsvib.models.model import automaton_of
 from lsvib.results import Threshold, ThresholdSolution
@@ -98,8 +98,7 @@ def even_from(evenly: Callable[[float], bool | None], tried: Sequence[float], hi
 
 def tried(drive: Drive, unknown: str) -> list[tuple[float, bool]]:
     """Return the values of a parameter that are tried, each with whether the drive runs evenly there, where known."""
-    ends = [sum(getattr(drive, name) for name in names) for static, names in STATIC.items() if static == unknown]
-    values = samples(drive, unknown, ends, DECADES, PER_DECADE)
+    values = samples(drive, unknown, decades=DECADES, per_decade=PER_DECADE)
     if unknown == "input_speed":
         values = [value for value in values if value * drive.input_speed > 0]
     known = ((value, runs_evenly(drive.replace(**{unknown: value}))) for value in values)
