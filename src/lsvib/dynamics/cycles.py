@@ -300,7 +300,7 @@ def search(drive: Drive, automaton: Automaton, states: Iterable[np.ndarray], kno
         for key, line in found_lines.items():
             for cycle in _on_line(drive, automaton, key, line, budget):
                 _add(found, cycle)
-        cut = ", in part, as they take more work than is allowed" if budget.left < 0 else ""
+        cut = ", in part, as they take more work than is allowed" if budget.left <= 0 else ""
         searched += f"; return maps of {len(found_lines)} lines over seven decades on both sides{cut}"
     return Search(
         tuple(sorted(found, key=lambda cycle: (not cycle.attracting, cycle.period))), tuple(families), searched, doubts

@@ -29,8 +29,11 @@ from lsvib.models.powers import Powers, product
 class Work:
     """Work over one period [J]: ``motor`` and ``load`` put in (negative if they take), the others take out.
 
-    ``friction`` of the threads, and of slide and bearing; ``damping``, all dampers; ``impacts``, kinetic energy that
-    seizures destroy.
+    ``motor``: Ω ∫ T dt, with the torque T of the coupling or, behind a motor with a controller, that of the controller,
+    T = K_p (Ω − θ_m′) + K_i ∫ (Ω − θ_m′) dt. Such a speed loop is then a spring and a damper to the commanded motion:
+    its K_p ∫ (Ω − θ_m′)² dt is part of ``damping``, and the rotor receives so much less, ∫ T θ_m′ dt. ``friction`` of
+    the threads, of slide, bearing and collar; ``damping``, all dampers; ``impacts``, kinetic energy that seizures
+    destroy.
     """
 
     motor: float
