@@ -21,10 +21,10 @@ class NotNumber(InputError):
 def bisected(turned: Callable[[float], bool], low: float, high: float, part: float = 0.0) -> float:
     """Return where a condition turns true between ``low``, where it is not, and ``high``, where it is, to the last bit.
 
-    The result is the upper of two neighbouring doubles, or of two that are a ``part`` of it apart, so that the
-    condition holds there.
+    The result is one of two neighbouring doubles, or of two that are a ``part`` of it apart, that on the side of
+    ``high``, so that the condition holds there; ``high`` may also be the smaller end.
     """
-    while high - low > part * abs(high) and (middle := (low + high) / 2) not in (low, high):
+    while abs(high - low) > part * abs(high) and (middle := (low + high) / 2) not in (low, high):
         low, high = (low, middle) if turned(middle) else (middle, high)
     return high
 
@@ -76,14 +76,13 @@ def whole(value: Any) -> int:
 
 def whole_between(name: str, value: Any, least: int, most: int) -> int:
     """Return a value as an integer of a range; raises ``InputError`` in one sentence, with its ``name``, otherwise."""
+    allowed = f"{least} <= {name.split()[-1]} <= {most}"
     try:
         result = whole(value)
     except NotNumber as error:
-        raise InputError(
-            f"{name} = {shown(value)} {error}; the allowed range is {least} <= {name} <= {most}."
-        ) from None
+        raise InputError(f"{name} = {shown(value)} {error}; the allowed range is {allowed}.") from None
     if not least <= result <= most:
-        raise InputError(f"{name} = {result} is outside the allowed range {least} <= {name} <= {most}.")
+        raise InputError(f"{name} = {result} is outside the allowed range {allowed}.")
     return result
 
 

@@ -223,7 +223,7 @@ PYTHON = [
     (lambda: lsvib.Drive(nut_stiffness=1.0), "is a parameter of a nut that may turn, which needs nut_inertia"),
     (lambda: lsvib.Axis("u", 0, float("nan"), 3), "stop = nan is not a number"),
     (lambda: lsvib.Axis("u", 0, float("inf"), 3), "stop = inf is outside"),
-    *((lambda count=count: lsvib.Axis("u", 0, 1, count), "range is 1 <= count") for count in (0, -3, True, "x", 2.5)),
+    *((lambda count=count: lsvib.Axis("u", 0, 1, count), " 1 <= count <= ") for count in (0, -3, True, "x", 2.5)),
     (lambda: lsvib.Grid(U, 3), "a grid needs two axes"),
     (lambda: lsvib.Grid(U, U), "a coordinate twice"),
     (lambda: lsvib.Grid(U, lsvib.Axis("mass", 0, 1, 3)), "coordinate 'mass'"),

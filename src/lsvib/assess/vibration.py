@@ -17,7 +17,7 @@ from lsvib.errors import EngineError, InputError
 from lsvib.models import friction
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
-from lsvib.models.model import Model, model_of
+from lsvib.models.model import Model, automaton_of, model_of
 from lsvib.models.rigid import rigid_automaton
 
 UNDECIDED = ("neutral family", "unresolved", "unknown")  # ends of motions that neither settle nor certainly vibrate
@@ -112,8 +112,7 @@ def ended(
     start = definition.from_rest(drive)
     if perturbation is not None:
         start = {"u": 0.0, "w": perturbation * drive.input_speed}
-    automaton = definition.build(drive, definition.physics_of(drive), "contact_sign")
-    state = definition.initial_state(drive, start)
+    automaton, state = automaton_of(drive), definition.initial_state(drive, start)
     return definition, automaton, start, steady_state(automaton, state, max_events=most_work)
 
 
@@ -240,7 +239,7 @@ def tolerated_by_trial(drive: Drive, stiff: float | None, parts: Parts = ("threa
         tried = f"{tried} {TOLERATED['beside'].format(size=shown(stiff, 'rad/s'))}"
     low = 0.0
     try:
-        automaton = definition.build(drive, definition.physics_of(drive), "contact_sign")
+        automaton = automaton_of(drive)
         slightest = ends(NUDGE**2 * scale)
         if slightest != "steady sliding":  # without damping it neither comes back nor vibrates more and more
             known = slightest not in ("neutral family", "unresolved")

@@ -35,7 +35,8 @@ class Axis:
             raise InputError(
                 f"axis {self.coordinate} has start = {self.start:g} and stop = {self.stop:g}; it needs start < stop."
             )
-        object.__setattr__(self, "count", _cells(self.coordinate, self.count))
+        count = numbers.whole_between(f"axis {self.coordinate}: count", self.count, 1, 10_000_000)
+        object.__setattr__(self, "count", count)
         # A middle is rounded three times, each time by at most one unit in the last place of the larger end; and the
         # width itself needs all its digits, which doubles below the smallest normal one have not.
         if not self.width >= max(4 * math.ulp(max(abs(self.start), abs(self.stop))), sys.float_info.min):
@@ -57,20 +58,6 @@ class Axis:
     def width(self) -> float:
         """Width of a cell."""
         return (self.stop - self.start) / self.count
-
-
-def _cells(coordinate: Any, count: Any) -> int:
-    most = 10_000_000
-    try:
-        cells = numbers.whole(count)
-    except numbers.NotNumber as error:
-        raise InputError(
-            f"axis {coordinate} has count = {count if isinstance(count, str) else numbers.shown(count)}, which "
-            f"{error}; the allowed range is 1 <= count <= {most}."
-        ) from None
-    if not 1 <= cells <= most:
-        raise InputError(f"axis {coordinate} has count = {cells}; the allowed range is 1 <= count <= {most}.")
-    return cells
 
 
 @dataclass(frozen=True)

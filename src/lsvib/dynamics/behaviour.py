@@ -8,6 +8,7 @@ no threshold, no sign of a coefficient.
 """
 
 from enum import IntEnum
+from types import SimpleNamespace
 
 import numpy as np
 
@@ -84,16 +85,12 @@ def near_and_far(drives: ManyDrives) -> tuple[dict[str, np.ndarray], dict[str, n
     lever, speed, stiffness = v["pitch_radius"] * tangent, v["input_speed"], v["coupling_stiffness"]
     force = v["axial_force"] - lever * v["translation_damping"] * speed
     law = np.where(force * speed < 0, -1, 1)
-    factors = [mechanics.friction_factor(v["friction_coefficient"], tangent, s) for s in (1, -1)]
-    factor = np.where(law > 0, *factors)
-    inertia = mechanics.effective_inertia(v["screw_inertia"], v["mass"], v["pitch_radius"], tangent, factor)
-    damping = mechanics.effective_damping(
-        v["support_damping"], v["translation_damping"], v["pitch_radius"], tangent, factors[1]
-    )
+    factors, inertias, dampings = mechanics.by_law(SimpleNamespace(**v, tan_lead=tangent), v["friction_coefficient"])
+    inertia = np.where(law > 0, inertias[1], inertias[-1])
     to_contact = np.abs(inertia * force) / (lever * v["mass"] * stiffness)  # from steady sliding to Q = 0
     to_stop = np.abs(speed) * np.sqrt(v["screw_inertia"] / stiffness)
-    band = v["pitch_radius"] * (factors[0] - factors[1]) * np.abs(v["axial_force"]) / stiffness
-    lengths = to_contact + to_stop + band + np.abs(damping * speed) / stiffness
+    band = v["pitch_radius"] * (factors[1] - factors[-1]) * np.abs(v["axial_force"]) / stiffness
+    lengths = to_contact + to_stop + band + np.abs(dampings[-1] * speed) / stiffness
     # Without a net force steady sliding lies on Q = 0: beside it θ′ = 0 alone gives a length.
     nearest = np.where(to_contact > 0, np.minimum(to_contact, to_stop), to_stop)
     # u of the near start, in distances to the nearest event: it stays in one mode, and is no rounding

@@ -39,21 +39,6 @@ class Impulses:
     torque: np.ndarray
 
 
-@dataclass(frozen=True)
-class MeanLoad:
-    """Means over a cycle, impulses included.
-
-    ``normal`` ⟨|N|⟩ [N], of which ``impulsive`` [N] comes from seizures; ``axial`` [N] and ``torque`` [N m] that the
-    threads carry; coupling ``deflection`` ⟨z⟩ [rad].
-    """
-
-    normal: float
-    impulsive: float
-    axial: float
-    torque: float
-    deflection: float
-
-
 def seizure_impulse(drive: Drive, speed: ArrayLike) -> np.ndarray:
     """Return the normal impulse J_N [N s] by which the screw stops from ``speed`` θ′ [rad/s] (array); see above."""
     lever = drive.mass * drive.pitch_radius - drive.screw_inertia / drive.pitch_radius
@@ -86,11 +71,12 @@ def balances(p: Mapping[str, Any], states: Sequence[str]) -> tuple[np.ndarray, n
     return first, second
 
 
-def mean_load(drive: Drive, orbit: Motion) -> MeanLoad:
-    """Return the means over one cycle, in closed form (c_x = 0, |N| of one sign in each mode).
+def mean_load(drive: Drive, orbit: Motion) -> np.ndarray:
+    """Return the means over one cycle, impulses included, in closed form (c_x = 0, |N| of one sign in each mode).
 
-    In slip under law s the threads carry N (cos λ + s μ sin λ) along the axis and r_m N (s μ cos λ − sin λ) about it,
-    in rest R and T_r = −k z.
+    They are those of the coupling deflection z [rad], of |N| [N], of its part that comes from seizures [N], and of the
+    axial force [N] and the torque [N m] that the threads carry. In slip under law s the threads carry N (cos λ + s μ
+    sin λ) along the axis and r_m N (s μ cos λ − sin λ) about it, in rest R and T_r = −k z.
     """
     impulses = event_impulses(drive, orbit)
     sine, cosine = math.sin(drive.lead_angle), math.cos(drive.lead_angle)
@@ -104,11 +90,6 @@ def mean_load(drive: Drive, orbit: Motion) -> MeanLoad:
     rests = np.isin(automaton.codes[modes], automaton.rest_codes)
     axial = np.where(rests, drive.axial_force * durations, normal * cosine + rubbed * sine)
     torque = np.where(rests, torque, drive.pitch_radius * (rubbed * cosine - normal * sine))
-    impulsive, period = float(np.sum(np.abs(impulses.normal))), orbit.end_time
-    return MeanLoad(
-        normal=float(np.abs(normal).sum() + impulsive) / period,
-        impulsive=impulsive / period,
-        axial=float(axial.sum() + impulses.axial.sum()) / period,
-        torque=float(torque.sum() + impulses.torque.sum()) / period,
-        deflection=float(deflection.sum()) / period,
-    )
+    impulsive = np.abs(impulses.normal).sum()
+    carried = axial.sum() + impulses.axial.sum(), torque.sum() + impulses.torque.sum()
+    return np.array([deflection.sum(), np.abs(normal).sum() + impulsive, impulsive, *carried]) / orbit.end_time

@@ -83,7 +83,7 @@ class View:
     def of(cls, query: Mapping[str, str]) -> Self:
         """Read a link; raises ``InputError`` in one sentence for a key or value that is not acceptable."""
         given = dict(query)
-        values: dict[str, Any] = {key: _number(key, given.pop(key)) for key in _NUMBERS if key in given}
+        values: dict[str, Any] = {key: numbers.start(key, given.pop(key)) for key in _NUMBERS if key in given}
         if "over" in given:
             values["over"] = given.pop("over")
         edges = [given.pop(name) for name in _WINDOW if name in given]
@@ -92,16 +92,6 @@ class View:
                 raise InputError("the window of the phase plane needs all of left, right, bottom and top.")
             values["window"] = Window(*(numbers.start(n, e) for n, e in zip(_WINDOW, edges, strict=True)))
         return cls(drive=Drive.of(given), **values)
-
-
-def _number(key: str, text: str) -> float:
-    """A number of a link; the drive knows the range of an end of the curve, the scene that of the duration."""
-    if key in ("u", "w"):
-        return numbers.start(key, text)
-    try:
-        return numbers.number(text)
-    except numbers.NotNumber as error:
-        raise InputError(f"{key} = {numbers.shown(text)} {error}.") from None
 
 
 def around(value: float, key: str = "", sliding: float = 0.0) -> dict[str, float]:

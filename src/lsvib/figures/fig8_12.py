@@ -68,9 +68,8 @@ def build(settings: Values) -> xr.Dataset:
         steady = phase_plane.reached(own, start, rule)
         labels[i, j], values[i, j, 0] = steady.label, steady.amplitude
         if steady.orbit is not None:
-            load = mean_load(own, steady.orbit)
-            left = -own.coupling_stiffness * load.deflection - c * own.input_speed
-            values[i, j, 1:] = load.deflection, load.normal, load.impulsive, load.axial, load.torque, left
+            values[i, j, 1:-1] = load = mean_load(own, steady.orbit)
+            values[i, j, -1] = -own.coupling_stiffness * load[0] - c * own.input_speed
     return xr.Dataset(
         {name: variable(dims, values[..., k], *words) for k, (name, words) in enumerate(_QUANTITIES.items())}
         | {"attractor": phase_plane.attractors(dims, labels)},

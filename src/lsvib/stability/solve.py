@@ -18,6 +18,7 @@ from flint import arb, arb_mat, arb_poly, arb_series, fmpq
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.errors import EngineError, InputError, NoThreshold
 from lsvib.models.drive import PART_OF, PARTS, Drive, rules_of, zero_if_close
+from lsvib.numbers import bisected
 from lsvib.stability.spectrum import SAME
 
 Equations = Callable[[Mapping[str, Any], Sequence[Any]], Sequence[Any]]
@@ -287,18 +288,15 @@ def samples(
     sizes = middle * np.logspace(-decades, decades, 2 * per_decade * decades + 1)  # of 12, a fifth from one to the next
     signs = (-1, 1) if rules_of(Drive)[unknown].get("minimum", 0) < 0 else (1,)
     values = sorted(sign * size for sign in signs for size in sizes.tolist())
-    known = [(value, allowed(drive, unknown, value)) for value in values]
-    limits = [_limit(drive, unknown, *pair) for pair in pairwise(known) if pair[0][1] != pair[1][1]]
+
+    def may_be(value: float) -> bool:
+        """Whether the drive may have this value."""
+        return allowed(drive, unknown, value)
+
+    pairs = (sorted(pair, key=may_be) for pair in pairwise(values))
+    limits = [bisected(may_be, out, inside) for out, inside in pairs if may_be(inside) and not may_be(out)]
     near = {end * (1 + side * 0.3**k) for end in (*ends, *limits) for side in (-1, 1) for k in range(1, 16)}
-    return sorted(value for value in near.union(values, limits) if allowed(drive, unknown, value))
-
-
-def _limit(drive: Drive, unknown: str, before: tuple[float, bool], after: tuple[float, bool]) -> float:
-    """The last value that is allowed between two, with whether they are, of which one is not."""
-    inside, outside = (before[0], after[0]) if before[1] else (after[0], before[0])
-    while (middle := 0.5 * (inside + outside)) not in (inside, outside):
-        inside, outside = (middle, outside) if allowed(drive, unknown, middle) else (inside, middle)
-    return inside
+    return sorted(value for value in near.union(values, limits) if may_be(value))
 
 
 def _natural(drive: Drive, unknown: str) -> float:
