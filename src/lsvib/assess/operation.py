@@ -25,6 +25,7 @@ from lsvib.assess.sheet import Sheet
 from lsvib.errors import EngineError, InputError
 from lsvib.models import friction
 from lsvib.models.drive import PARTS, Drive, zero_if_close
+from lsvib.words import plain
 
 _RIGID = ("screw_inertia", "coupling_stiffness", "support_damping", "mass", "translation_damping")
 _DRY = ("bearing_friction", "bearing_static_friction", "slide_friction", "slide_static_friction", "collar_friction")
@@ -274,11 +275,11 @@ class Operation:
 
     @cached_property
     def after_knock(self) -> str:
-        """What a motion after a strong perturbation ends in, by the words of :func:`lsvib.assess.vibration.word`."""
+        """What a motion after a strong perturbation ends in, by a key of :data:`lsvib.assess.words.ATTRACTORS`."""
         parts = self.draw.sheet.parts
         try:
             drive = self.drive if parts else self.rigid
-            return vibration.word(vibration.ended(drive, -vibration.STRONG, vibration.work_of_many(parts))[-1].label)
+            return plain(vibration.ended(drive, -vibration.STRONG, vibration.work_of_many(parts))[-1].label)
         except (InputError, EngineError):
             return "unknown"
 

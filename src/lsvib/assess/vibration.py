@@ -19,6 +19,7 @@ from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
 from lsvib.models.model import Model, automaton_of, model_of
 from lsvib.models.rigid import rigid_automaton
+from lsvib.words import plain
 
 UNDECIDED = ("neutral family", "unresolved", "unknown")  # ends of motions that neither settle nor certainly vibrate
 _WITHOUT_CYCLE = (Attractor.NEUTRAL_FAMILY, Attractor.UNRESOLVED)
@@ -84,7 +85,7 @@ def vibration(drive: Drive, perturbation: float | None, parts: Parts, law: bool)
         definition, automaton, start, end = ended(drive, perturbation, work)
     except (InputError, EngineError) as error:
         return Vibration(parts, "unknown", reason=str(error))
-    words = word(end.label)
+    words = plain(end.label)
     try:
         start, span, times, states = _shown(drive, definition, automaton, start, end)
     except EngineError as error:
@@ -119,11 +120,6 @@ def ended(
 def work_of_many(parts: Parts) -> int:
     """Return the work that one of many motions may take, of which only the end is asked."""
     return min(_WORK_OF_MANY // max(1, len(parts) ** 2), _WORK_OF_PARTS if parts else _WORK_OF_RIGID)
-
-
-def word(label: Attractor) -> str:
-    """An attractor by the key of :data:`lsvib.assess.words.ATTRACTORS`."""
-    return label.name.lower().replace("_", " ")
 
 
 def _shown(
@@ -229,7 +225,7 @@ def tolerated_by_trial(drive: Drive, stiff: float | None, parts: Parts = ("threa
 
     def ends(speed: float) -> str:
         state = definition.initial_state(drive, {"u": 0.0, "w": speed})
-        return word(steady_state(automaton, state, max_events=_WORK_OF_MANY // 3).label)
+        return plain(steady_state(automaton, state, max_events=_WORK_OF_MANY // 3).label)
 
     known = stiff is not None and 0 < stiff < math.inf
     scale = stiff if known else abs(drive.input_speed)

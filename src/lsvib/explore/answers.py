@@ -58,10 +58,6 @@ class Followed:
     turning: np.ndarray
 
 
-def _work(drive: Drive) -> int:
-    return _WORK_OF_LAW if friction.depends_on_speed(drive) else _MOST_WORK
-
-
 def moved(view: View) -> Simulation:
     """Follow the motion of a view; raises ``EngineError``, also where that takes more work than a page may do."""
     budget = Budget(_WORK_OF_LAW)
@@ -80,8 +76,9 @@ def followed(view: View) -> Followed:
     motion = moved(view).motion
     time, states, modes = _sampled(motion)
     force = motion.automaton.observe("normal_force", states, modes)
+    work = _WORK_OF_LAW if friction.depends_on_speed(view.drive) else _MOST_WORK
     try:
-        steady = steady_state(motion.automaton, motion.start_state, max_events=_work(view.drive))
+        steady = steady_state(motion.automaton, motion.start_state, max_events=work)
     except EngineError:
         steady = None
     cycle = np.empty((0, 2))

@@ -50,8 +50,6 @@ class Settings(FigureSettings):
 @style.styled
 def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw the chart with its curves."""
-    from matplotlib.patches import Patch
-
     figure = style.new_figure(style.DOUBLE, 4.3)
     axes = figure.add_subplot()
     down, across = dataset.label.dims
@@ -67,13 +65,9 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     if "boundary_name" in dataset:
         _curves(axes, dataset, across, down)
     shares = {int(kind): float(part) for kind, part in zip(dataset.behaviour, dataset.fraction, strict=True)}
-    patches = [
-        Patch(facecolor=colour, edgecolor=style.GREY, linewidth=0.4, label=f"{words}: {100 * shares[kind]:.1f} %")
-        for kind, (colour, words) in ((kind, _LOOKS[name]) for kind, name in flag_names(dataset.label).items())
-        if shares[kind]
-    ]
-    figure.legend(handles=patches, loc="outside upper center", ncols=2)
-    return figure
+    kinds = ((shares[kind], *_LOOKS[name]) for kind, name in flag_names(dataset.label).items())
+    looks = ((colour, None, f"{words}: {100 * share:.1f} %") for share, colour, words in kinds if share)
+    return style.legend(figure, [], 2, drawing.patches(looks, style.GREY))
 
 
 def _curves(axes: style.Axes, dataset: xr.Dataset, across: str, down: str) -> None:

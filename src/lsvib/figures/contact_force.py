@@ -28,6 +28,7 @@ from numpy.typing import ArrayLike
 from lsvib.engine.automaton import Automaton, Branch, Guard, Mode, Surface, Transition, assemble, eigenform, oscillator
 from lsvib.engine.kernels.layout import DELTA, EQUILIBRIUM, R1, R2, Status, Test
 from lsvib.errors import InputError
+from lsvib.figures.printed_laws import lever
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
 from lsvib.models.names import Event
@@ -102,17 +103,13 @@ def outcome(motion: "Motion") -> ForceOutcome:
 def contact_frequency(drive: Drive) -> float:
     """Frequency of the contact under law −, ω̄_- = √(k_c cos λ b_- Γ_- / (m I)) [1/s] (eq. 8.9)."""
     inertia = drive.mass * drive.screw_inertia
-    stiffness = drive.contact_stiffness * math.cos(drive.lead_angle) * _lever(drive, -1)
+    stiffness = drive.contact_stiffness * math.cos(drive.lead_angle) * lever(drive, -1)
     return math.sqrt(stiffness * float(coefficients(drive).gamma[-1]) / inertia)
 
 
 def force_scale(drive: Drive) -> float:
     """Return b_+ / b_-, the factor from x to the chapter's χ on the side of law + [1]."""
-    return _lever(drive, 1) / _lever(drive, -1)
-
-
-def _lever(drive: Drive, law: int) -> float:
-    return math.cos(drive.lead_angle) + law * float(drive.exact().steady_friction) * math.sin(drive.lead_angle)
+    return float(lever(drive, 1) / lever(drive, -1))
 
 
 class Existence(IntEnum):
@@ -134,7 +131,7 @@ def contact_forces(drive: Drive, u: ArrayLike, w: ArrayLike) -> np.ndarray:
     q_u, q_w, q_0 = (float(x) for x in c.q_row)
     q = q_u * np.asarray(u) + q_w * np.asarray(w) + q_0
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.stack([q / (float(c.gamma[s]) * _lever(drive, s)) for s in (1, -1)])
+        return np.stack([q / (float(c.gamma[s]) * lever(drive, s)) for s in (1, -1)])
 
 
 def existence(drive: Drive, u: ArrayLike, w: ArrayLike) -> np.ndarray:

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from lsvib.datasets.phase_plane import sample
 from lsvib.dynamics.attractor import orbit_extremes, steady_state
 from lsvib.dynamics.impulses import seizure_impulse
 from lsvib.engine.exact.arithmetic import many_digits
@@ -25,28 +26,16 @@ from lsvib.models.names import RULES, Event
 from lsvib.models.rigid import rigid_automaton
 
 
-def curve(motion: Motion, count: int) -> np.ndarray:
-    """Return points (u, w) [rad, rad/s] along a motion, shape (k, 2), both ends of each arc among them.
-
-    ``count`` points are shared out by duration, and half as many evenly among the arcs. Jumps, along which only the
-    rate changes, are sides of the polygon through the points.
-    """
-    _, starts, ends, durations = motion.arcs()
-    shares = max(2, count // (2 * durations.size)) + np.floor(count * durations / durations.sum()).astype(int)
-    bounds = np.concatenate([[motion.start_time], motion.time, [motion.end_time]])
-    times = np.concatenate([np.linspace(a, b, n) for a, b, n in zip(bounds[:-1], bounds[1:], shares, strict=True)])
-    states, last = motion.at(times)[0], np.cumsum(shares) - 1
-    states[last - shares + 1], states[last] = starts, ends
-    return states[:, :2]
-
-
 def distance(one: Motion, other: Motion, scales: tuple[float, float], corners: int = 800) -> float:
     """Return the Hausdorff distance [1] of two orbits, u and w over ``scales`` [rad, rad/s].
 
-    It is the largest distance of a point of either from the other: of 40 points, and the ends of all arcs, from a
-    polygon of about so many ``corners``.
+    It is the largest distance of a point of either from the other: of 40 points, or four to an arc, from a polygon of
+    so many ``corners``. Jumps, along which only the rate changes, are sides of it.
     """
-    few, many = ([curve(m, count) / np.array(scales) @ [1, 1j] for m in (one, other)] for count in (40, corners))
+    few, many = (
+        [sample(m, max(count, 4 * m.time.size + 4))[1][:, :2] / np.array(scales) @ [1, 1j] for m in (one, other)]
+        for count in (40, corners)
+    )
     farthest = []
     for points, polygon in ((few[0], many[1]), (few[1], many[0])):
         side, away = np.diff(polygon), points[:, None] - polygon[:-1]
