@@ -22,7 +22,6 @@ from lsvib.basins.mapper import NO_DOUBT, Mapper
 from lsvib.dynamics.attractor import Attractor, Doubt, SteadyState, steady_state
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import event_loop, flow_planar, layout
-from lsvib.errors import InputError
 from lsvib.models.drive import Drive
 
 _EVENTS = 100_000  # of a motion, after which its start is unresolved
@@ -431,10 +430,3 @@ class PlanarMapper(Mapper):
             times[labels == UNRESOLVED] = np.inf
         if "doubt" in quantities:
             found["doubt"][:] = np.where(labels == UNRESOLVED, list(Doubt).index(self.doubt), NO_DOUBT)
-
-    def check(self, grid: Grid) -> None:
-        """Raise ``InputError`` unless the axes are u and w and nothing is fixed."""
-        if {grid.x.coordinate, grid.y.coordinate} != {"u", "w"} or grid.fixed:
-            raise InputError(
-                "the rigid drive has the coordinates u and w: the grid needs them as its axes, none fixed."
-            )

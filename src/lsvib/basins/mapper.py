@@ -10,7 +10,7 @@ from lsvib.basins.grid import Grid
 from lsvib.dynamics.attractor import SteadyState
 from lsvib.errors import InputError
 from lsvib.models.drive import Drive
-from lsvib.models.model import model_of
+from lsvib.models.model import coordinates, model_of
 from lsvib.numbers import Progress
 
 QUANTITIES = {"label": np.int8, "time": np.float64, "seizures": np.int32, "first_event": np.int8, "doubt": np.int8}
@@ -33,6 +33,7 @@ class Mapper(ABC):
         self.definition = model_of(drive)
         self.events = self.definition.events
         self.automaton = self.definition.build(drive, physics, "contact_sign")
+        self.keys = tuple(key for key in coordinates() if coordinates()[key] in self.automaton.states)
 
     def cells(
         self,
@@ -72,9 +73,15 @@ class Mapper(ABC):
                     progress(part.stop, y.size)
         return {name: found[name] for name in quantities}
 
-    @abstractmethod
     def check(self, grid: Grid) -> None:
-        """Raise ``InputError`` if the coordinates of a grid are not those of the state."""
+        """Raise ``InputError`` unless the grid has what a start needs, and nothing that the state has not."""
+        given = (grid.x.coordinate, grid.y.coordinate, *grid.fixed)
+        for key in given:
+            if key not in self.keys:
+                raise InputError(f"this drive has the coordinates {', '.join(self.keys)}, not {key}.")
+        for key in self.definition.required:
+            if key not in given:
+                raise InputError(f"the grid needs the coordinate {key}, as an axis or fixed.")
 
     @abstractmethod
     def fill(

@@ -12,9 +12,8 @@ import numpy as np
 from lsvib.basins.grid import Grid
 from lsvib.basins.mapper import NO_DOUBT, Mapper
 from lsvib.dynamics.attractor import Attractor, Doubt, KnownCycles, SteadyState, end_of_motion
-from lsvib.errors import EngineError, InputError
+from lsvib.errors import EngineError
 from lsvib.models.drive import Drive
-from lsvib.models.model import coordinates
 
 
 class StateMapper(Mapper):
@@ -28,7 +27,6 @@ class StateMapper(Mapper):
 
     def __init__(self, drive: Drive, physics: tuple[str, ...]) -> None:
         super().__init__(drive, physics)
-        self.keys = tuple(key for key in coordinates() if coordinates()[key] in self.automaton.states)
         self.attractors: list[SteadyState] = []
         speed = abs(drive.input_speed)
         reach = speed * (drive.screw_inertia / drive.coupling_stiffness) ** 0.5
@@ -41,16 +39,6 @@ class StateMapper(Mapper):
                     self.attractors.append(found)
         # Cycles that are not known are looked for after 1024 events: their map costs more than these.
         self._known = KnownCycles.of(self.attractors, self.automaton, 1024)
-
-    def check(self, grid: Grid) -> None:
-        """Raise ``InputError`` unless the grid has what a start needs, and nothing that the state has not."""
-        given = (grid.x.coordinate, grid.y.coordinate, *grid.fixed)
-        for key in given:
-            if key not in self.keys:
-                raise InputError(f"this drive has the coordinates {', '.join(self.keys)}, not {key}.")
-        for key in self.definition.required:
-            if key not in given:
-                raise InputError(f"the grid needs the coordinate {key}, as an axis or fixed.")
 
     def fill(
         self, found: Mapping[str, np.ndarray], grid: Grid, x: np.ndarray, y: np.ndarray, quantities: Sequence[str]
