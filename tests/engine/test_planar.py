@@ -20,7 +20,8 @@ from hypothesis import strategies as st
 from mpmath import mp, mpf
 from references.oscillator import flow, number
 
-from lsvib.engine.automaton import Branch, Guard, Mode, Surface, Transition, assemble, oscillator
+from lsvib.engine.automaton import Branch, Guard, Mode, Surface, Transition, assemble
+from lsvib.engine.exact.modal_form import oscillator
 from lsvib.engine.kernels import flow_planar, layout, search_planar
 from lsvib.engine.kernels.layout import Found, Status
 from lsvib.engine.kernels.layout import Test as Sign

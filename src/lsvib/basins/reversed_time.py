@@ -16,8 +16,9 @@ from dataclasses import replace
 
 from flint import arb
 
-from lsvib.engine.automaton import Automaton, Branch, Guard, Mode, Surface, Transition, assemble, eigenform, oscillator
+from lsvib.engine.automaton import Automaton, Branch, Guard, Mode, Surface, Transition, assemble
 from lsvib.engine.exact.arithmetic import many_digits
+from lsvib.engine.exact.modal_form import eigenform, oscillator
 from lsvib.engine.kernels.layout import Test
 from lsvib.errors import InputError
 from lsvib.models.drive import Drive

@@ -11,10 +11,9 @@ from typing import Any
 import numpy as np
 from flint import arb
 
-from lsvib.engine.exact.arithmetic import alike, double, doubles, many_digits, real_rates, root, sign
+from lsvib.engine.exact.arithmetic import double, doubles, many_digits
 from lsvib.engine.exact.modal_form import guard_forms, modal_flow
 from lsvib.engine.exact.taylor_form import TaylorMode, eta, taylor_flow
-from lsvib.engine.kernels import layout
 from lsvib.engine.kernels.layout import Tables, Test
 from lsvib.errors import EngineError
 
@@ -45,8 +44,8 @@ class Guard:
 class Mode:
     """A linear flow and the guards around it; ``code`` names the mode in datasets.
 
-    ``flow`` is a row made by :func:`oscillator` (two states), a ``ModalMode`` or, under a friction law, a
-    ``TaylorMode``; ``exact`` is the :func:`eigenform` of the oscillator, where it has one.
+    ``flow`` is a row made by :func:`lsvib.engine.exact.modal_form.oscillator` (two states), a ``ModalMode`` or, under a
+    friction law, a ``TaylorMode``; ``exact`` is the :func:`eigenform` of the oscillator, where it has one.
     """
 
     code: int
@@ -121,39 +120,6 @@ class Automaton:
 def affine(rows: np.ndarray, states: np.ndarray) -> np.ndarray:
     """Return affine functions (k, n + 1) at states (k, n)."""
     return np.asarray(np.einsum("ki,ki->k", rows[:, :-1], states) + rows[:, -1])
-
-
-def oscillator(inertia, damping, stiffness, force) -> np.ndarray:
-    """Row of the flow table of  inertia·u″ + damping·u′ + stiffness·u = force  (any consistent units, inertia ≠ 0).
-
-    The characteristic roots are formed in balls, free of cancellation.
-    """
-    with many_digits():
-        inertia, damping, stiffness, force = alike(inertia, damping, stiffness, force)
-        square = stiffness / inertia
-        row: list[Any] = [0.0] * layout.COUNT
-        row[layout.A0], row[layout.A1], row[layout.B] = square, damping / inertia, force / inertia
-        row[layout.ALPHA] = alpha = damping / inertia / 2
-        discriminant = (damping * damping - 4 * inertia * stiffness) / (4 * inertia * inertia)
-        if sign(discriminant, "a damping") < 0:
-            row[layout.BETA] = root(-discriminant)
-        else:
-            row[layout.DELTA] = root(discriminant)
-            row[layout.R1], row[layout.R2] = real_rates(alpha, square, row[layout.DELTA])
-        if sign(stiffness):
-            row[layout.EQUILIBRIUM] = force / stiffness
-            row[layout.TIME_SCALE] = 1 / root(abs(square))
-        return doubles(row, (layout.COUNT,))
-
-
-def eigenform(inertia, damping, stiffness, force) -> tuple[arb, arb, arb] | None:
-    """Equilibrium and real rates r₁ > r₂ of the oscillator of :func:`oscillator`, as balls; None if it has none."""
-    with many_digits():
-        inertia, damping, stiffness, force = alike(inertia, damping, stiffness, force)
-        discriminant = (damping * damping - 4 * inertia * stiffness) / (4 * inertia * inertia)
-        if not sign(stiffness) or sign(discriminant, "a damping") <= 0:
-            return None
-        return force / stiffness, *real_rates(damping / inertia / 2, stiffness / inertia, root(discriminant))
 
 
 def _guard_parts(exact: tuple[arb, arb, arb] | None, row: Row) -> tuple:

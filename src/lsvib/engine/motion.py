@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from lsvib import numbers
-from lsvib.engine.automaton import Automaton, Branch, Guard, Mode, Surface, Transition, assemble, oscillator
-from lsvib.engine.exact.modal_form import linear_mode
+from lsvib.engine.automaton import Automaton, Branch, Guard, Mode, Surface, Transition, assemble
+from lsvib.engine.exact.modal_form import linear_mode, oscillator
 from lsvib.engine.kernels import event_loop, jit
 from lsvib.engine.kernels.layout import CARRY, FIRST_MODEL_KIND, STEPS, TIME, Begin, Events, Now, Status, Tables, Until
 from lsvib.errors import AccumulationError, DivergenceError, EngineError, InputError, UndecidedError, WorkSpentError

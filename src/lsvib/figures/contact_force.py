@@ -25,7 +25,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lsvib.engine.automaton import Automaton, Branch, Guard, Mode, Surface, Transition, assemble, eigenform, oscillator
+from lsvib.engine.automaton import Automaton, Branch, Guard, Mode, Surface, Transition, assemble
+from lsvib.engine.exact.modal_form import eigenform, oscillator
 from lsvib.engine.kernels.layout import DELTA, EQUILIBRIUM, R1, R2, Status, Test
 from lsvib.errors import InputError
 from lsvib.figures.printed_laws import lever

@@ -40,20 +40,9 @@ from typing import Any
 
 import numpy as np
 
-from lsvib.engine.automaton import (
-    SHORT_STAY,
-    Automaton,
-    Branch,
-    Guard,
-    Mode,
-    Surface,
-    Transition,
-    assemble,
-    eigenform,
-    oscillator,
-    scaled,
-)
+from lsvib.engine.automaton import SHORT_STAY, Automaton, Branch, Guard, Mode, Surface, Transition, assemble, scaled
 from lsvib.engine.exact.arithmetic import double, many_digits, root, sign
+from lsvib.engine.exact.modal_form import eigenform, oscillator
 from lsvib.engine.kernels import layout
 from lsvib.engine.kernels.layout import Test
 from lsvib.errors import InputError

@@ -15,12 +15,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import combinations
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from flint import arb, arb_mat
 
-from lsvib.engine.exact.arithmetic import ball, many_digits, real_rates
+from lsvib.engine.exact.arithmetic import alike, ball, doubles, many_digits, real_rates, root, sign
 from lsvib.engine.exact.field import WORST_CONDITION, Field, Rows, Subspace, amplification, subspaces
 from lsvib.engine.exact.modal_arrays import ModalModes, guard_columns, modal_modes
 from lsvib.engine.kernels import layout
@@ -73,6 +73,41 @@ def modal_mode(field: Field) -> ModalMode:
     if not mode.condition < WORST_CONDITION:
         raise ArithmeticError(f"condition {mode.condition:.1e}")
     return mode
+
+
+def oscillator(inertia, damping, stiffness, force) -> np.ndarray:
+    """Row of the flow table of  inertia·u″ + damping·u′ + stiffness·u = force  (any consistent units, inertia ≠ 0).
+
+    The characteristic roots are formed in balls, free of cancellation.
+    """
+    with many_digits():
+        inertia, damping, stiffness, force = alike(inertia, damping, stiffness, force)
+        square = stiffness / inertia
+        row: list[Any] = [0.0] * layout.COUNT
+        row[layout.A0], row[layout.A1], row[layout.B] = square, damping / inertia, force / inertia
+        row[layout.ALPHA] = alpha = damping / inertia / 2
+        discriminant = (damping * damping - 4 * inertia * stiffness) / (4 * inertia * inertia)
+        if isinstance(discriminant, arb):
+            discriminant = discriminant.mid()  # rates that no digit tells apart are one
+        if sign(discriminant, "a damping") < 0:
+            row[layout.BETA] = root(-discriminant)
+        else:
+            row[layout.DELTA] = root(discriminant)
+            row[layout.R1], row[layout.R2] = real_rates(alpha, square, row[layout.DELTA])
+        if sign(stiffness):
+            row[layout.EQUILIBRIUM] = force / stiffness
+            row[layout.TIME_SCALE] = 1 / root(abs(square))
+        return doubles(row, (layout.COUNT,))
+
+
+def eigenform(inertia, damping, stiffness, force) -> tuple[arb, arb, arb] | None:
+    """Equilibrium and real rates r₁ > r₂ of the oscillator of :func:`oscillator`, as balls; None if it has none."""
+    with many_digits():
+        inertia, damping, stiffness, force = alike(inertia, damping, stiffness, force)
+        discriminant = (damping * damping - 4 * inertia * stiffness) / (4 * inertia * inertia)
+        if not sign(stiffness) or sign(discriminant, "a damping") <= 0:
+            return None
+        return force / stiffness, *real_rates(damping / inertia / 2, stiffness / inertia, root(discriminant))
 
 
 class _Frame(NamedTuple):
@@ -147,7 +182,7 @@ def _pair(push: list[arb], factor: list[arb], frame: _Frame) -> _Piece:
     own = _dot(row, push)
     rest = (a1 * own + _dot(turned, push)) / a0  # equilibrium of q
     out = [[vectors[i, 0], vectors[i, 1], vectors[i, 0] * rest - vectors[i, 1] * own] for i in range(len(push))]
-    return _Piece(_row(a0, a1), [[*row, -rest], [*turned, own]], out)
+    return _Piece(oscillator(1, a1, a0, 0), [[*row, -rest], [*turned, own]], out)
 
 
 def _row_of_pair(matrix: arb_mat, space: Subspace, scale: Sequence[float]) -> arb_mat:
@@ -166,21 +201,6 @@ def _row_of_pair(matrix: arb_mat, space: Subspace, scale: Sequence[float]) -> ar
 
     # Rows that are nearly orthogonal to the subspace consist of rounding.
     return rows[min((k for k in range(len(rows)) if lengths[k] > max(lengths) / 100), key=cosine)]
-
-
-def _row(a0: arb, a1: arb) -> np.ndarray:
-    """Return the row of the oscillator table for s² + a₁ s + a₀, without force."""
-    row = np.zeros(layout.COUNT)
-    alpha, discriminant = a1 / 2, (a1 * a1 / 4 - a0).mid()
-    row[layout.A0], row[layout.A1], row[layout.ALPHA] = float(a0), float(a1), float(alpha)
-    if float(discriminant) < 0:
-        row[layout.BETA] = float((-discriminant).sqrt())
-    else:
-        delta = discriminant.sqrt()
-        row[layout.DELTA] = float(delta)
-        row[layout.R1], row[layout.R2] = _floats(real_rates(alpha, a0, delta))
-    row[layout.TIME_SCALE] = float(1 / abs(a0).sqrt())
-    return row
 
 
 def _dot(left: Sequence[arb], right: Sequence[arb]) -> arb:
