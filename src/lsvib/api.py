@@ -197,10 +197,8 @@ class DriveMethods(_Base):
         """
         from lsvib.datasets.motion import Simulation
 
-        scene = self._scene(
-            start, duration, samples=samples, resume=resume, physics=physics, outputs=outputs, command=command
-        )
-        return Simulation.of(scene).dataset()
+        wanted = {"samples": samples, "resume": resume, "physics": physics, "outputs": outputs, "command": command}
+        return Simulation.of(Scene(drive=self, start=start, duration=duration, **wanted)).dataset()
 
     def steady_state(self, start: Start, *, resume: str = "contact_sign", physics: Terms = None) -> "SteadyState":
         """Return the attractor that the motion from a start reaches.
@@ -432,11 +430,8 @@ class DriveMethods(_Base):
 
         return resilience_sweep(self, over, window, progress)
 
-    def _scene(self, start: Start, duration: float, **more: Any) -> Scene:
-        return Scene(drive=self, start=start, duration=duration, **more)
-
     def _automaton_and_state(self, start: Start, resume: str, physics: Terms) -> tuple["Automaton", Any]:
-        scene = self._scene(start, 1.0, resume=resume, physics=physics)
+        scene = Scene(drive=self, start=start, duration=1.0, resume=resume, physics=physics)
         definition = scene.definition
         return definition.build(self, scene.terms, scene.resume), definition.initial_state(self, scene.start)
 

@@ -127,7 +127,7 @@ def test_simulate_is_that_of_the_function(kind):
     for given in (drive, drive.model_dump()):
         xr.testing.assert_identical(motion, lsvib.simulate({**scene, "drive": given}))
     xr.testing.assert_identical(motion, lsvib.simulate(lsvib.Scene(**scene, drive=drive)))
-    begin = drive._scene(START, 1.0).definition.initial_state(drive, START)
+    begin = lsvib.Scene(**scene, drive=drive).definition.initial_state(drive, START)
     assert drive.steady_state(START).label == steady_state(drive.automaton(), begin).label
 
 

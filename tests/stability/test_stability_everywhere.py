@@ -63,19 +63,19 @@ def judge_thresholds(model: str, drive: Drive, law: int, random: np.random.Gener
     """Hold every boundary against Routh's array on both sides, and the set between them at random places."""
     for key in ("mass", "friction_coefficient", PARTS[drive.parts[0]][-1]):
         found, stable = all_thresholds(drive, key)["onset"], stable_set(drive, key)
-        ends = [end for interval in stable.intervals for end in interval if 0 < end < stable.limit]
+        ends = [end for interval in stable.intervals for end in interval if 0 < end < stable.limits[-1]]
         assert found.solutions or found.reason.endswith(".")
         values = [float(end) for end in ends if zero_if_close(key, float(end)) == float(end)]
         assert {solution.value for solution in found.solutions} <= set(values)
         lowest, highest = (-6.0, 9.0) if key == "mass" else (-8.0, 12.0)
         places = list(10 ** random.uniform(lowest, highest, 3))
         if key == "friction_coefficient":
-            places = [0.0, *random.uniform(0, float(stable.limit), 3)]
+            places = [0.0, *random.uniform(0, float(stable.limits[-1]), 3)]
         for end in ends:
             for distance in (1e-12, 10 ** random.uniform(-12, -3)):
                 places += [float(end) * (1 + distance), float(end) * (1 - distance)]
         for place in places:
-            if not (0 if key != "mass" else 1e-18) <= place < float(stable.limit):
+            if not (0 if key != "mass" else 1e-18) <= place < float(stable.limits[-1]):
                 continue
             if zero_if_close(key, place) != place:
                 continue

@@ -16,19 +16,21 @@ from flint import arb
 
 from lsvib.engine.automaton import Automaton, Branch, Guard, Mode, Row, Transition, assemble
 from lsvib.engine.exact.arithmetic import double, many_digits, sign
-from lsvib.engine.exact.taylor_form import Split, TaylorMode
+from lsvib.engine.exact.taylor_form import Split
 from lsvib.engine.kernels.layout import Test
 from lsvib.errors import InputError
 from lsvib.models import friction, sliding
 from lsvib.models.command import Command, one_after_the_other
 from lsvib.models.drive import Drive, once
-from lsvib.models.mechanism import Mechanism, Solution, seated
-from lsvib.models.modes import Modes, still_flow
+from lsvib.models.mechanism import Mechanism, seated
+from lsvib.models.modes import Modes
 from lsvib.models.names import DIRECTIONS, Event, Key, Resume
 
 
 class LawModes(Modes):
     """The modes of a drive under a friction law; arguments as of ``Modes``."""
+
+    in_series = True
 
     def _speeds_without_paradox(self) -> tuple[Any, Any]:
         inertia, mass = self.m.effective()
@@ -53,9 +55,6 @@ class LawModes(Modes):
                 f"{self._given(name)} is not followed where friction of the threads depends on speed; leave friction "
                 f"of the {name} out, or stribeck_rise and friction_slope at zero."
             )
-
-    def _flow(self, found: Solution) -> TaylorMode:
-        return still_flow(found)
 
     def _parts(self, modes: dict[str, Mode], seen: dict[str, dict[str, Row]]) -> dict[str, dict[str, Row]]:
         """Put the friction law into the modes that slip, and into what is seen of them, in place.

@@ -44,7 +44,7 @@ from lsvib.engine.automaton import (
 )
 from lsvib.engine.exact.arithmetic import double, place_of_largest, sign
 from lsvib.engine.exact.modal_form import linear_mode
-from lsvib.engine.exact.taylor_form import TaylorMode, still_mode
+from lsvib.engine.exact.taylor_form import still_mode
 from lsvib.engine.kernels.layout import Test
 from lsvib.errors import InputError
 from lsvib.models.mechanics import plus, rate_of
@@ -61,6 +61,8 @@ class Modes:
     interval of sliding speed in which Γ₊ > 0; it begins at infinity where there is none. ``seizes``: whether the
     threads can.
     """
+
+    in_series = False  # whether motions are followed by their series, as under a friction law
 
     def __init__(self, mechanism: Mechanism, resume: Resume = "contact_sign") -> None:
         m = self.m = mechanism
@@ -167,8 +169,9 @@ class Modes:
 
     def _flow(self, found: Solution) -> Any:
         """Return the flow of a mode; with a clock its rates of zero are a chain, which has no modal form."""
-        if self.m.command:
-            return still_flow(found)
+        if self.m.command or self.in_series:
+            zero = self.m.constant(0)
+            return still_mode([zero if i in found.frozen else row for i, row in enumerate(found.field)])
         return linear_mode(found.field, self.m.sizes, found.frozen, self.m.dampers[-1])
 
     def _parts(self, modes: dict[str, Mode], seen: dict[str, dict[str, Row]]) -> dict[str, dict[str, Row]]:
@@ -407,12 +410,6 @@ class Modes:
                 for branch in self._outcomes(d, ways):
                     kind = Event.RELEASE if d else branch.kind
                     yield replace(branch, kind=kind, conditions=(*slips, *moving, *branch.conditions))
-
-
-def still_flow(found: Solution) -> TaylorMode:
-    """Return the flow of a mode by its series."""
-    zero = (0,) * (len(found.field) + 1)
-    return still_mode([zero if i in found.frozen else row for i, row in enumerate(found.field)])
 
 
 def size_of(value: Any) -> float:

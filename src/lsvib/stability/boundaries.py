@@ -64,16 +64,14 @@ class StableSet:
     """Values of one parameter at which steady sliding is stable, all others held at those of the drive.
 
     ``intervals`` are open intervals (low, high) [unit of the parameter; of the lead angle its tangent] in ascending
-    order, within the ``limit`` on either side of zero, the end of the range of the parameter; a single value without
+    order, within the ``limits`` on both sides of zero, the ends of the range of the parameter; a single value without
     contact force, or on a boundary that is touched, divides none. With ``neutral`` the drive has no damping, and they
     are the values at which no motion grows; else those at which steady sliding is asymptotically stable. ``from_zero``
-    says that zero is one of the values; ``changes`` are the places where stability changes; ``limits`` those of the
-    values on both sides of zero.
+    says that zero is one of the values; ``changes`` are the places where stability changes.
     """
 
     key: str
     intervals: tuple[tuple[fmpq, fmpq], ...]
-    limit: fmpq
     neutral: bool
     from_zero: bool
     changes: tuple[Place, ...]
@@ -342,7 +340,7 @@ def stable_set(drive: Drive, key: str) -> StableSet | None:
         if before[2] != after[2] and vanishes and vanishes[0] == 0:
             changes.append(line.place(fmpq(0), line.force))
     from_zero, limits = line.stable(line.lowest), tuple(line.limit for line in lines)
-    return StableSet(key, tuple(intervals), line.limit, line.neutral, from_zero, tuple(changes), drive, limits)
+    return StableSet(key, tuple(intervals), line.neutral, from_zero, tuple(changes), drive, limits)
 
 
 @many_digits()

@@ -105,12 +105,7 @@ _SYSTEMS: dict[str, tuple[str, _OfDrive]] = {
 }
 
 
-def words(system: str) -> str:
-    """Return the equations of a system in words."""
-    return _SYSTEMS[system][0]
-
-
-def equations(system: str, sense: int) -> Equations:
-    """Return the equations of a system for drives with sgn Ω = ``sense``."""
-    of = _SYSTEMS[system][1]
-    return lambda parameters, inner: of(SlipDrive(parameters, sense), inner)
+def equations(system: str, sense: int) -> tuple[str, Equations]:
+    """Return the equations of a system, in words and for drives with sgn Ω = ``sense``."""
+    words, of = _SYSTEMS[system]
+    return words, lambda parameters, inner: of(SlipDrive(parameters, sense), inner)

@@ -23,10 +23,10 @@ from lsvib.models.model import model_of
 from lsvib.models.thresholds import TABLE
 from lsvib.numbers import shown
 from lsvib.results import Derivative, PrintedValue, Threshold, ThresholdSolution
-from lsvib.stability import boundaries, motion_equations
+from lsvib.stability import boundaries
 from lsvib.stability.boundaries import FRICTIONLESS, Place, StableSet, places, searched, stable_set
 from lsvib.stability.force_thresholds import STARTS, rest_left
-from lsvib.stability.motion_equations import Start
+from lsvib.stability.motion_equations import Start, equations
 from lsvib.stability.solve import DECADES, Root, Singular, outwards, samples, sign_changes, solved
 
 Solver = Callable[[Drive, str], Threshold]
@@ -192,9 +192,8 @@ def _start(name: str, drive: Any) -> tuple[Any, Start]:
 
 def newton(drive: Drive, unknown: str, start: Start, guess: Any) -> ThresholdSolution:
     """Return the solution of a system of equations next to a guess; raises ``Singular`` where there is none."""
-    equations = motion_equations.equations(start.system, 1 if drive.input_speed > 0 else -1)
-    root = solved(drive, unknown, equations, guess, start.times)
-    return _solution(drive, unknown, root, motion_equations.words(start.system))
+    words, system = equations(start.system, 1 if drive.input_speed > 0 else -1)
+    return _solution(drive, unknown, solved(drive, unknown, system, guess, start.times), words)
 
 
 def _solution(drive: Drive, unknown: str, root: Root, words: str) -> ThresholdSolution:
