@@ -101,7 +101,7 @@ def compile_engine(part: str, sources: Texts, marker: str) -> None:
 
     if part == "mapper":
         from lsvib.basins.grid import Grid
-        from lsvib.basins.mapping import mapper
+        from lsvib.basins.mapper import mapper
 
         one = {"start": -1.0, "stop": 1.0, "count": 1}
         mapper(Drive()).cells(Grid.of({"u": one, "w": one}), quantities=("label",))

@@ -17,7 +17,7 @@ from lsvib.basins.boundary import Basin, basin
 from lsvib.basins.curves import Arc, Piece, Window, inside, state_on
 from lsvib.basins.kernels import labels as engine
 from lsvib.basins.labels import PlanarMapper
-from lsvib.basins.mapping import mapper
+from lsvib.basins.mapper import mapper
 from lsvib.dynamics.attractor import Attractor
 from lsvib.engine.kernels import layout
 from lsvib.errors import InputError

@@ -18,7 +18,7 @@ from benchmarks.rivals.race_scenes import RaceScene, scene
 from lsvib.basins.boundary import basin
 from lsvib.basins.curves import Window
 from lsvib.basins.grid import Axis, Grid
-from lsvib.basins.mapping import mapper
+from lsvib.basins.mapper import mapper
 from lsvib.datasets.sweep import ChartAxis, charted, product_of
 from lsvib.dynamics.attractor import Attractor, steady_state
 from lsvib.dynamics.behaviour import Behaviour

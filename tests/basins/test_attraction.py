@@ -10,7 +10,7 @@ from references.known import BASINS, PARADOX
 
 import lsvib
 from lsvib.basins.grid import Axis, Grid
-from lsvib.basins.mapping import mapper
+from lsvib.basins.mapper import mapper
 from lsvib.dynamics.attractor import Attractor, steady_state
 from lsvib.engine.motion import follow
 from lsvib.models.names import Event

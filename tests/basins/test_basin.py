@@ -20,7 +20,7 @@ from references.sizes import sizes
 from lsvib.basins.boundary import basin
 from lsvib.basins.curves import Arc, Window, state_on
 from lsvib.basins.grid import Axis, Grid
-from lsvib.basins.mapping import mapper
+from lsvib.basins.mapper import mapper
 from lsvib.dynamics.attractor import Attractor, steady_state
 from lsvib.errors import InputError
 from lsvib.models.drive import PART_OF, Drive

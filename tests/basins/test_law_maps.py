@@ -6,7 +6,7 @@ from references.sizes import sizes
 
 import lsvib
 from lsvib.basins.grid import Axis, Grid
-from lsvib.basins.mapping import mapper
+from lsvib.basins.mapper import mapper
 from lsvib.basins.slice_mapper import StateMapper
 from lsvib.dynamics.attractor import Attractor
 

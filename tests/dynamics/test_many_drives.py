@@ -13,7 +13,7 @@ from references.known import NEAR_FOLD, NEGATIVE_DAMPING, PARADOX, REPELLING_SLI
 from references.sizes import sizes
 
 from lsvib.basins.grid import Axis, Grid
-from lsvib.basins.mapping import mapper
+from lsvib.basins.mapper import mapper
 from lsvib.dynamics.attractor import Attractor
 from lsvib.dynamics.sweep import all_endings, ending_of, endings_at_once
 from lsvib.errors import InputError

@@ -10,6 +10,7 @@ from lsvib.basins.grid import Grid
 from lsvib.dynamics.attractor import SteadyState
 from lsvib.errors import InputError
 from lsvib.models.drive import Drive
+from lsvib.models.friction import depends_on_speed
 from lsvib.models.model import coordinates, model_of
 from lsvib.numbers import Progress
 
@@ -88,3 +89,31 @@ class Mapper(ABC):
         self, found: Mapping[str, np.ndarray], grid: Grid, x: np.ndarray, y: np.ndarray, quantities: Sequence[str]
     ) -> None:
         """Fill arrays (rows, columns) of at least the ``quantities`` of cells at ``x`` (columns) and ``y`` (rows)."""
+
+
+def mapper(drive: Drive, physics: Sequence[str] | None = None) -> Mapper:
+    """Return the mapper of a drive, ``physics`` as in a scene; raises ``InputError``.
+
+    For a rigid drive whose motor turns that is a ``PlanarMapper`` or, under a friction law, a ``LawMapper``; else a
+    ``StateMapper``.
+
+    >>> import lsvib
+    >>> from lsvib.basins.grid import Axis, Grid
+    >>> grid = Grid(Axis("u", -0.03, 0.03, 4), Axis("w", -5, 5, 2))
+    >>> mapped = mapper(lsvib.Drive(mass=11, support_damping=1e-3, axial_force=-10))
+    >>> mapped.cells(grid, quantities=("label",))["label"].tolist()
+    [[0, 0, 0, 0], [0, 0, 0, 2]]
+    """
+    definition = model_of(drive)
+    physics = (*definition.terms, *definition.options) if physics is None else tuple(physics)
+    if not (drive.rigid and drive.input_speed):
+        from lsvib.basins.slice_mapper import StateMapper  # each with kernels of its own
+
+        return StateMapper(drive, physics)
+    if depends_on_speed(drive):
+        from lsvib.basins.law_mapper import LawMapper
+
+        return LawMapper(drive, physics)
+    from lsvib.basins.labels import PlanarMapper
+
+    return PlanarMapper(drive, physics)

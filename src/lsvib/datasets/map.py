@@ -11,8 +11,7 @@ from lsvib import numbers, words
 from lsvib.basins.boundary import known_basin
 from lsvib.basins.curves import Window
 from lsvib.basins.grid import MOST_CELLS, Grid
-from lsvib.basins.mapper import NO_DOUBT, Mapper
-from lsvib.basins.mapping import mapper
+from lsvib.basins.mapper import NO_DOUBT, Mapper, mapper
 from lsvib.datasets import attributes as cf
 from lsvib.datasets import phase_plane
 from lsvib.datasets.io import joined, rows_of, write_dataset

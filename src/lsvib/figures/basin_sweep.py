@@ -74,7 +74,7 @@ def analysis(settings: of.Values) -> xr.Dataset:
 
 def maps(settings: of.Values) -> xr.Dataset:
     """Map a grid of starts of the window of each case to their attractors, at each resolution."""
-    from lsvib.basins.mapping import mapper
+    from lsvib.basins.mapper import mapper
 
     drive, found = Drive.of(settings["drive"]), Variables()
     drives, windows = zip(*((drive.replace(**c["drive"]), c["window"]) for c in settings["cases"]), strict=True)

@@ -9,6 +9,7 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 from typing import Any
 
@@ -288,11 +289,7 @@ def samples(
     sizes = middle * np.logspace(-decades, decades, 2 * per_decade * decades + 1)  # of 12, a fifth from one to the next
     signs = (-1, 1) if rules_of(Drive)[unknown].get("minimum", 0) < 0 else (1,)
     values = sorted(sign * size for sign in signs for size in sizes.tolist())
-
-    def may_be(value: float) -> bool:
-        """Whether the drive may have this value."""
-        return allowed(drive, unknown, value)
-
+    may_be = partial(allowed, drive, unknown)
     pairs = (sorted(pair, key=may_be) for pair in pairwise(values))
     limits = [bisected(may_be, out, inside) for out, inside in pairs if may_be(inside) and not may_be(out)]
     near = {end * (1 + side * 0.3**k) for end in (*ends, *limits) for side in (-1, 1) for k in range(1, 16)}
