@@ -64,7 +64,6 @@ COMMANDS = [
     # Maps, charts, sweeps and what else has axes.
     ("attraction --grid u=-0.1:0.1:4 --out x.nc", "grid spans 1 coordinates"),
     ("attraction --grid u=1:0:4 w=0:1:4 --out x.nc", "start < stop"),
-    ("attraction --grid u=0:1:0 w=0:1:4 --out x.nc", "count = 0"),
     ("attraction --grid u=0:1 w=0:1:4 --out x.nc", "KEY=START:STOP:COUNT"),
     ("attraction --grid u=0:1:4 q=0:1:4 --out x.nc", "'q'"),
     (f"{MAP} --quantities colour", 'Invalid value "colour" for --quantities'),
