@@ -249,9 +249,16 @@ class DriveMethods(_Base):
         return find_cycles(self, self.automaton(physics=physics))
 
     def follow(
-        self, cycle: "Cycle", parameter: str, span: tuple[float, float], *, physics: Terms = None, points: int = 1000
+        self,
+        cycle: "Cycle",
+        parameter: str,
+        span: tuple[float, float],
+        *,
+        physics: Terms = None,
+        points: int = 1000,
+        progress: Progress | None = None,
     ) -> "CycleBranch":
-        """Follow a cycle of this drive over a parameter, by pseudo-arclength continuation, both ways and through folds.
+        """Follow a cycle of this drive over a parameter, both ways, through folds and through changes of its events.
 
         Arguments:
 
@@ -259,9 +266,10 @@ class DriveMethods(_Base):
         * ``parameter``: its name; ``span``: its smallest and largest value [SI unit], with the drive's own between
           them.
         * ``points``: most of them each way; ``physics`` as of :meth:`automaton`.
+        * ``progress``: called with the numbers of points found and in all; a way that ends counts as all of its points.
 
-        Returns the branch: its points, folds and changes of the itinerary. Raises ``InputError`` for a parameter or
-        span that is not acceptable.
+        Returns the branch, by pseudo-arclength continuation: its points, folds, changes of events and of stability, and
+        why it ends. Raises ``InputError`` for a parameter or span that is not acceptable.
 
         >>> drive = lsvib.Drive(mass=11, support_damping=2e-3, axial_force=-18.37)
         >>> branch = drive.follow(drive.cycles().cycles[0], "axial_force", (-18.5, -18.35))
@@ -272,7 +280,7 @@ class DriveMethods(_Base):
         """
         from lsvib.datasets.cycles import followed
 
-        return followed(self, cycle, parameter, span, points, lambda drive: drive.automaton(physics=physics))
+        return followed(self, cycle, parameter, span, points, lambda drive: drive.automaton(physics=physics), progress)
 
     def sweep(
         self, *, start: Start | None = None, workers: int = 1, progress: Progress | None = None, **over: "Values"

@@ -102,7 +102,7 @@ def follow(
     figure: options.Picture = None,
     as_json: options.AsJson = False,
 ) -> None:
-    """Follow a cycle over a parameter, both ways, through folds; changes of its events are named.
+    """Follow a cycle over a parameter, both ways, through folds and changes of its events, which are named.
 
     Examples of use:
 
@@ -118,6 +118,6 @@ def follow(
     if not listed:
         raise InputError("the drive has no cycle to follow; see lsvib cycles.")
     chosen = listed[whole_between("cycle", cycle, 1, len(listed)) - 1]
-    branch = made.follow(chosen, over.key, (over.low, over.high), points=points)
+    branch = made.follow(chosen, over.key, (over.low, over.high), points=points, progress=ProgressLine("points"))
     files.write(branch_dataset(branch))
     show(branch_json(branch), as_json, branch_text(branch))

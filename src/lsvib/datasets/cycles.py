@@ -3,6 +3,7 @@
 import json
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -124,7 +125,13 @@ def find_cycles(drive: Drive, automaton: Automaton) -> Cycles:
 
 
 def followed(
-    drive: Drive, cycle: Cycle, parameter: str, span: Any, points: Any, build: Callable[[Any], Automaton]
+    drive: Drive,
+    cycle: Cycle,
+    parameter: str,
+    span: Any,
+    points: Any,
+    build: Callable[[Any], Automaton],
+    progress: numbers.Progress | None = None,
 ) -> CycleBranch:
     """Follow a cycle of a drive over a parameter; arguments as of ``follow`` of a drive, ``build`` its automaton.
 
@@ -152,11 +159,12 @@ def followed(
     for end in (low, high):
         drive.replace(**{parameter: end})
 
+    @lru_cache(8)
     def made(value: float) -> tuple[Drive, Automaton]:
         there = drive.replace(**{parameter: zero_if_close(parameter, value)})
         return there, build(there)
 
-    return follow_cycle(cycle, made, parameter, (low, high), most)
+    return follow_cycle(cycle, made, parameter, (low, high), most, progress)
 
 
 def branch_dataset(branch: CycleBranch) -> xr.Dataset:

@@ -1,38 +1,41 @@
-r"""Cycles over a parameter, by pseudo-arclength continuation of the fixed point of the Poincaré map, through folds.
+r"""Cycles over a parameter: a chain of smooth pieces, through folds and borders, by pseudo-arclength continuation.
 
-The unknowns are the free coordinates y of a section (the others follow from its surfaces, which move with the parameter
-p) and p itself. On  F(y, p) = P(y, p) − y = 0  the next point is sought where it meets the plane across the tangent at
-the last one. p is counted by q, p = p_0 sinh q with its size p_0 at the start, so that steps are in relation far from
-zero, and a branch does not depend on the range that is asked for. F_y = P′ − I is exact; F_p is a central difference,
-which steers Newton's method and the tangent, but is no part of the residual F. At a *fold* the tangent has no part in
-p; as p is stationary there its value is exact to rounding.
+On a *piece* all cycles have one itinerary, and the equations of :mod:`lsvib.dynamics.shooting` are smooth. The next
+point is sought by Newton's method in the plane across the tangent at the last one; it has to have the same itinerary,
+and to lie where the tangent points, else the step is halved. At a *fold* a multiplier passes +1: the tangent has no
+part in the parameter, whose value there is exact to rounding, as it is stationary.
 
-The motion decides on its own events, so that the itinerary may change from point to point; such changes, and folds, are
-located by halving. Where a section is no longer met, another event of the last cycle takes its place; if none does, the
-branch ends. Where an event appears the branch has a kink: there the step, not the tangent before it, gives the
-direction.
+Where a piece ends – a graze, two events that fall together, a rest of no length, a mode that is no more – is a
+*border*, found to the last place at which its itinerary closes. Behind it a cycle of other events closes on the same
+orbit, or none does. So motions are tried from next to that orbit, on either side of the parameter; from those with
+other events Newton's method seeks a cycle, at three distances δ from the border: one that comes nearer to the orbit as
+δ falls is the next piece. It may lie on the same side, so that two cycles meet at the border, a fold without
+derivative.
 """
 
 import math
 from collections import Counter
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from lsvib.dynamics.cycles import Cycle
-from lsvib.dynamics.poincare_map import Section, derivative, multipliers, newton_step
-from lsvib.engine.automaton import Automaton
-from lsvib.engine.kernels import flow_planar
-from lsvib.engine.kernels.layout import GRAZE_KIND
-from lsvib.engine.motion import Motion, follow
+from lsvib.dynamics.cycles import Cycle, cycle_from, named_events, same_cycle
+from lsvib.dynamics.poincare_map import AT_REST
+from lsvib.dynamics.shooting import Build, Itinerary, Shooting, Shot, Solved, Units, alike
 from lsvib.errors import EngineError, InputError
-from lsvib.models.drive import Drive
+from lsvib.numbers import Progress, bisected
 
-_SMALLEST = 1e-7  # step, in sizes of the parameter and of the motion
-_CONVERGED = 1e-8  # a step of Newton's method after which one more is rounding only
-
-Build = Callable[[float], tuple[Drive, Automaton]]
+_FIRST = 1e-2  # step of a piece, in sizes of the motion and of the parameter
+_LONGEST = 4e-2
+_SMALLEST = 1e-7  # steps of less that fail are at a border
+_STEEP = 0.2  # part of the parameter in a tangent; where it has more no fold is near, and Newton's method keeps it
+_TO_ROUNDING = 1e-16
+_DISTANCES = (1e-4, 1e-6, 1e-8)  # δ from a border, in q
+_NEARER = 0.3  # most that is left of the distance from the orbit where δ falls to its hundredth; its root leaves 0.1
+_BACK = "it comes back to where it began"
+_FLAT = 1e-9  # part of q within which rounding may turn a branch
+_NOTHING = 1e-4  # extent of a cycle, in sizes of the motion, that is about to vanish
 
 
 @dataclass(frozen=True)
@@ -71,362 +74,337 @@ class CycleBranch:
         return [change.value for change in self.changes if change.kind == "fold"]
 
 
-@dataclass(frozen=True)
-class Solved:
-    """A point of the branch: unknowns z = (y, q), its cycle, and the tangent."""
-
-    z: np.ndarray
-    cycle: Cycle
-    tangent: np.ndarray
-
-
-class BranchEquations:
-    """The equations F(y, p) = 0 on a section of return of a cycle, whose surfaces move with the parameter p.
-
-    y: its free coordinates, in sizes of the motion; ``scale`` p_0 of the parameter p = p_0 sinh q. Modes that are parts
-    of one have one code; ``part`` says which of them.
-    """
-
-    def __init__(self, build: Build, cycle: Cycle, scale: float) -> None:
-        own, size = cycle.section, cycle.section.size
-        section = Section(own.automaton, own.key, cycle.state, size, own.returns, cycle.period, size)
-        self.build, self.scale, self.size, self.free = build, scale, size, section.free
-        self._rows, self._tied = section.rows, section.tied
-        self.kind, self.code = own.key[0], own.automaton.codes[own.key[1]]
-        self.part = int(np.sum(own.automaton.codes[: own.key[1]] == self.code))
-        self.returns, self.longest = own.returns, cycle.period
-
-    def place(self, state: np.ndarray) -> np.ndarray:
-        """Return y (d) of a state (n)."""
-        return np.asarray(state[self.free] / self.size[self.free])
-
-    def state(self, automaton: Automaton, place: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the state (n) at y on the section of an automaton, and its derivative (n, d)."""
-        rows = automaton.tables.surfaces[self._rows]
-        state, slope = np.zeros(self.size.size), np.zeros((self.size.size, len(self.free)))
-        state[self.free] = place * self.size[self.free]
-        slope[self.free, range(len(self.free))] = self.size[self.free]
-        if self._tied.size:
-            tied = rows[:, self._tied]
-            state[self._tied] = np.linalg.solve(tied, -(rows[:, :-1] @ state + rows[:, -1]))
-            slope[self._tied] = np.linalg.solve(tied, -(rows[:, :-1] @ slope))
-        return state, slope
-
-    def value(self, z: np.ndarray) -> float:
-        """The value of the parameter at a point (y, q)."""
-        return self.scale * math.sinh(z[-1])
-
-    def counted(self, value: float) -> float:
-        """The q of a value of the parameter."""
-        return math.asinh(value / self.scale)
-
-    def at(self, z: np.ndarray) -> tuple[Drive, Section, Motion] | None:
-        """The drive, the section and one return from a point (y, q); None where none comes back or no drive is."""
-        try:
-            drive, automaton = self.build(self.value(z))
-            modes = np.flatnonzero(automaton.codes == self.code)
-            if self.part >= modes.size:
-                return None
-            state, _ = self.state(automaton, z[:-1])
-            key = self.kind, int(modes[self.part])
-            section = Section(automaton, key, state, self.size, self.returns, self.longest)
-            motion = section.come_back(state)
-        except (EngineError, InputError):
-            return None
-        if motion is None or motion.time.size == 0 or motion.time[0] == 0.0:
-            return None
-        return drive, section, motion
-
-    def slopes(self, z: np.ndarray, motion: Motion, last: np.ndarray | None = None) -> np.ndarray | None:
-        """[F_y, F_p] (d, d + 1); F_p (d) as it was where it is given: it only steers."""
-        d = z.size - 1
-        if d == 0:
-            return np.zeros((0, 1))
-        _, along = self.state(motion.automaton, z[:-1])
-        matrix = derivative(motion).matrix @ along
-        inner = matrix[self.free] / self.size[self.free][:, None] - np.eye(d)
-        if last is None:
-            size = 1e-5  # step of the difference, in sizes of the parameter
-            step, beside = np.eye(d + 1)[-1] * size, {0.0: self.place(motion.end_state)}
-            for sign in (1.0, -1.0):
-                there = self.at(z + sign * step)
-                if there is not None and events_of(there[2]) == events_of(motion):  # else it is that of a kink
-                    beside[sign] = self.place(there[2].end_state)
-            if len(beside) == 1:
-                return None
-            low, high = min(beside), max(beside)
-            last = (beside[high] - beside[low]) / ((high - low) * size)
-        found = np.column_stack([inner, last])
-        return found if np.isfinite(found).all() else None
-
-    def corrected(self, guess: np.ndarray, tangent: np.ndarray) -> Solved | None:
-        """The point of the branch in the plane through ``guess`` across ``tangent``, with its tangent."""
-        slopes: np.ndarray | None = None
-        z, last, length, events = guess.copy(), math.inf, math.inf, None
-        for _ in range(30):  # steps; where the derivative jumps as an event appears they converge slowly at first
-            found = self.at(z)
-            if found is None:
-                return None
-            gap = self.place(found[2].end_state) - z[:-1]
-            same = events == events_of(found[2])
-            slopes = self.slopes(z, found[2], None if slopes is None or not same else slopes[:, -1])
-            events = events_of(found[2])
-            if slopes is None:
-                return None
-            # for F = 0 in the plane across the tangent
-            step = newton_step(np.vstack([slopes, tangent]), -np.append(gap, tangent @ (z - guess)))
-            if step is None:
-                return None
-            length = float(np.abs(step).max(initial=0.0))
-            if length <= 4 * flow_planar.EPS or (last <= _CONVERGED and length >= 0.5 * last):
-                break
-            # size of a step of Newton's method, in sizes of the motion, beyond which it has left the branch
-            if length > 1.0:
-                return None
-            z, last = z + step, length
-        found = self.at(z)
-        if found is None or slopes is None or not length <= _CONVERGED:
-            return None
-        slopes = self.slopes(z, found[2], slopes[:, -1])
-        if slopes is None:
-            return None
-        drive, section, motion = found
-        residual = float(np.max(np.abs(motion.end_state - motion.start_state) / section.size))
-        values, error = multipliers(section, motion, residual)
-        if not residual <= 1e-12 * max(1.0, float(np.abs(values).max(initial=0.0))):  # rounding, as neighbours grow
-            return None
-        ahead = null_direction(slopes)
-        if ahead @ tangent < 0:
-            ahead = -ahead
-        cycle = Cycle(drive, motion, residual, values, error, "continuation", section)
-        return Solved(z, cycle, ahead)
-
-
-def events_of(motion: Motion) -> tuple[list[int], list[int]]:
-    """Kinds of a motion's events and codes of the modes that they enter, without touches."""
-    own = motion.kind != GRAZE_KIND
-    return motion.kind[own].tolist(), motion.automaton.codes[motion.mode[own]].tolist()
-
-
-def null_direction(slopes: np.ndarray) -> np.ndarray:
-    """Unit vector that the slopes (d, d + 1) take to zero."""
-    if not len(slopes):
-        return np.ones(1)
-    return np.asarray(np.linalg.svd(slopes)[2][-1])
-
-
 def follow_cycle(
-    cycle: Cycle, build: Build, parameter: str, span: tuple[float, float], most: int = 1000
+    cycle: Cycle, build: Build, parameter: str, span: tuple[float, float], most: int, progress: Progress | None = None
 ) -> CycleBranch:
     """Follow a cycle over a parameter, both ways from where it is, as far as it goes within ``span``.
 
     Arguments: the cycle, of the drive with the parameter at its own value; ``build`` makes drive and automaton at
-    another value; ``most`` points each way. Raises ``InputError`` if the cycle cannot be followed at all.
+    another value; ``most`` points each way; ``progress`` is called with the number of points found, and ``most`` for a
+    way that has ended, and with twice ``most``. Raises ``InputError`` if the cycle cannot be followed at all.
     """
-    down, below = _followed(cycle, build, parameter, span, -1.0, most)
-    up, above = _followed(cycle, build, parameter, span, 1.0, most)
-    points = [replace(point, along=-point.along) for point in reversed(down[1:])]
-    changes = [replace(change, along=-change.along) for change in reversed(below)]
-    return CycleBranch(parameter, (*points, *up), (*changes, *above))
-
-
-def _followed(
-    cycle: Cycle, build: Build, parameter: str, span: tuple[float, float], direction: float, most: int
-) -> tuple[list[BranchPoint], list[Change]]:
-    """Points and changes of the branch that begins with the parameter growing or falling."""
-    low, high = span
     start = float(getattr(cycle.drive, parameter))
-    curve = BranchEquations(build, cycle, abs(start) or max(-low, high))
-    here = _first(curve, cycle, start, direction)
-    if isinstance(here, str):
-        raise InputError(f"the cycle at {parameter} = {start:g} cannot be followed: {here}.")
-    points: list[BranchPoint] = [BranchPoint(start, here.cycle, 0.0)]
-    changes: list[Change] = []
-    along, step = 0.0, 1e-2
-    while len(points) < most:
-        there, curve, here, taken = _next(curve, here, step)
-        if there is None:
-            value, what = _end(curve, here, cycle, start)
-            changes.append(Change("end", value, what, along))
-            break
-        value = curve.value(there.z)
-        if not low <= value <= high:
-            edge = _at_value(curve, here, there, low if value < low else high)
-            if edge is not None:
-                changes += changes_between(curve, here, edge, taken, along)
-                points.append(BranchPoint(curve.value(edge.z), edge.cycle, along + taken))
-            changes.append(Change("end", low if value < low else high, "the range ends", along + taken))
-            break
-        changes += changes_between(curve, here, there, taken, along)
-        along += taken
-        points.append(BranchPoint(value, there.cycle, along))
-        # A step that was taken whole makes the next one longer, up to a 25th of the range or of the motion.
-        step = min(step * 1.5, 4e-2) if taken >= step else max(taken, _SMALLEST)
-        here = there
-    else:
-        changes.append(Change("end", points[-1].value, "the branch is longer than the number of points", along))
-    return points, changes
-
-
-def _first(curve: BranchEquations, cycle: Cycle, start: float, direction: float) -> Solved | str:
-    """The first point of a branch, or why there is none, as the end of a sentence."""
-    z = np.append(curve.place(cycle.state), curve.counted(start))
-    found = curve.at(z)
-    if found is None:
-        return "its motion does not come back"
-    slopes = curve.slopes(z, found[2])
-    if slopes is None:
-        return "its return map has no derivative"
-    tangent = null_direction(slopes)
-    return Solved(z, cycle, tangent * direction if tangent[-1] >= 0 else -tangent * direction)
-
-
-def _next(curve: BranchEquations, here: Solved, step: float) -> tuple[Solved | None, BranchEquations, Solved, float]:
-    """The next point, on this section or another of the cycle; also the curve, the last point on it, the step taken."""
-    for other, again in _places(curve, here):
-        # Beyond a kink the branch may turn by more than a right angle, though the parameter goes on: step along it.
-        along = np.eye(again.z.size)[-1] * math.copysign(1.0, again.tangent[-1])
-        for start in (again, replace(again, tangent=along)):
-            there, taken = _stepped(other, start, step)
-            if there is not None:
-                return there, other, start, taken
-    return None, curve, here, 0.0
-
-
-def _places(curve: BranchEquations, here: Solved) -> Iterator[tuple[BranchEquations, Solved]]:
-    """Yield the same point on this section and on the others of the cycle."""
-    yield curve, here
-    for cycle in other_sections(here.cycle):
-        other = BranchEquations(curve.build, cycle, curve.scale)
-        again = _first(other, cycle, curve.value(here.z), 1.0)
-        if isinstance(again, Solved):
-            turned = again.tangent[-1] * here.tangent[-1] < 0
-            yield other, replace(again, tangent=-again.tangent) if turned else again
-
-
-def _end(curve: BranchEquations, here: Solved, first: Cycle, start: float) -> tuple[float, str]:
-    """Where a branch ends after its last point ``here``, a value of the parameter, and what is known of why.
-
-    Where it goes on from one state alone, as a slip that begins at rest does, it is the last place at which that slip
-    comes back; else a place that is rounded to what is known of it.
-    """
-    value = curve.value(here.z)
-    # amplitude, relative to that at the start, of a cycle that is about to vanish; it does so in proportion
-    if here.cycle.amplitude < 1e-4 * first.amplitude:
-        return _rounded(value, 1e-4 * abs(value - start)), "it shrinks to nothing"
-    what = "no further cycle is found"
-    for other, again in _places(curve, here):
-        if _rests(again.cycle.orbit) and _slips_on(other, again):
-            what = "its slip no longer comes to rest"
-        if again.z.size == 1:
-            low, high = 0.0, 2 * _SMALLEST
-            while low < (middle := 0.5 * (low + high)) < high:
-                comes_back = other.corrected(again.z + middle * again.tangent, again.tangent) is not None
-                low, high = (middle, high) if comes_back else (low, middle)
-            return other.value(again.z + low * again.tangent), what
-    return _rounded(value, 2 * _SMALLEST * math.hypot(curve.scale, value)), what
-
-
-def _rounded(value: float, error: float) -> float:
-    return round(value, -math.floor(math.log10(error))) if error > 0 else value
-
-
-def _rests(motion: Motion) -> bool:
-    return bool(np.isin(motion.automaton.codes[motion.mode], motion.automaton.rest_codes).any())
-
-
-def _slips_on(curve: BranchEquations, here: Solved) -> bool:
-    """Whether a motion just beyond the end of a branch of cycles with rest comes to rest no more."""
-    z = here.z + 10 * _SMALLEST * here.tangent
-    try:
-        _, automaton = curve.build(curve.value(z))
-        mode = int(np.flatnonzero(automaton.codes == curve.code)[curve.part])
-        state, _ = curve.state(automaton, z[:-1])
-        motion = follow(automaton, state, 10 * here.cycle.period, mode=mode)
-    except (EngineError, InputError, IndexError):
-        return False
-    starts_at_rest = curve.code in automaton.rest_codes
-    return not _rests(motion) and (motion.time.size > 0 or not starts_at_rest)
-
-
-def _stepped(curve: BranchEquations, here: Solved, step: float) -> tuple[Solved | None, float]:
-    while step >= _SMALLEST:
-        there = curve.corrected(here.z + step * here.tangent, here.tangent)
-        if there is not None:
-            turned = there.tangent @ (there.z - here.z) < 0  # across a kink the tangents tell no direction
-            there = replace(there, tangent=-there.tangent) if turned else there
-            kink = events_of(there.cycle.orbit) != events_of(here.cycle.orbit)
-            # smallest cosine between tangents: beyond it the step was too long
-            if there.tangent @ here.tangent >= (-1.0 if kink else 0.2):
-                return there, step
-        step *= 0.5
-    return None, 0.0
-
-
-def other_sections(cycle: Cycle) -> Iterator[Cycle]:
-    """Yield the same cycle, begun at other events of it."""
-    orbit, seen = cycle.orbit, {cycle.section.key}
-    for k in range(orbit.time.size):
-        key = int(orbit.kind[k]), int(orbit.mode[k])
-        if key in seen or key[0] == GRAZE_KIND:
+    (low, below), (high, above) = (_allowed(build, start, end) for end in span)
+    sizes = np.abs(cycle.orbit.at(cycle.period * np.linspace(0.0, 1.0, 200))[0]).max(axis=0)
+    units = Units(build, np.where(sizes == 0, 1.0, sizes), cycle.period, abs(start) or max(-low, high), (low, high))
+    down, up = (_Walk(units, (below, above), cycle, most) for _ in range(2))
+    for walk, way, before in ((down, -1.0, 0), (up, 1.0, most)):
+        if any(change.what == _BACK for change in down.changes):  # all of it is known
+            up.points = down.points[:1]
             continue
-        seen.add(key)
-        returns = int(np.sum((orbit.kind == key[0]) & (orbit.mode == key[1])))
-        section = Section(orbit.automaton, key, orbit.after[k], cycle.section.size, returns, 2 * cycle.period)
-        motion = section.come_back(orbit.after[k])
-        if motion is not None:
-            yield replace(cycle, orbit=motion, section=section)
+        for found in walk.go(start, way):
+            if progress is not None:
+                progress(before + found, 2 * most)
+    points = [replace(point, along=-point.along) for point in reversed(down.points[1:])]
+    changes = [replace(change, along=-change.along) for change in reversed(down.changes)]
+    return CycleBranch(parameter, (*points, *up.points), (*changes, *up.changes))
 
 
-def _at_value(curve: BranchEquations, here: Solved, there: Solved, value: float) -> Solved | None:
-    target = curve.counted(value)
-    part = (target - here.z[-1]) / (there.z[-1] - here.z[-1])
-    guess = here.z + part * (there.z - here.z)
-    guess[-1] = target
-    edge = curve.corrected(guess, np.eye(guess.size)[-1])
-    if edge is not None and edge.tangent @ there.tangent < 0:
-        return replace(edge, tangent=-edge.tangent)
-    return edge
+def _allowed(build: Build, start: float, end: float) -> tuple[float, str]:
+    """The last value towards an end of the span at which there is a drive, and what ends there, in words."""
+
+    def refused(value: float) -> str:
+        try:
+            build(value)
+        except (InputError, EngineError) as error:
+            return f"beyond, the drive is refused: {error}"
+        return ""
+
+    if not refused(end):
+        return end, "the range ends"
+    last = bisected(lambda value: not refused(value), end, start)
+    return last, refused(math.nextafter(last, end))
 
 
-def changes_between(curve: BranchEquations, here: Solved, there: Solved, step: float, along: float) -> list[Change]:
-    """Folds, changes of the itinerary and of stability between two points."""
-    found = []
-    fold = here.tangent[-1] * there.tangent[-1] < 0
-    if fold:
-        at, point = _halved(curve, here, step, lambda solved: bool(solved.tangent[-1] * here.tangent[-1] > 0))
-        found.append(Change("fold", curve.value(point.z), "two cycles meet", along + at))
-    before, after = Counter(here.cycle.itinerary), Counter(there.cycle.itinerary)
-    if here.cycle.itinerary != there.cycle.itinerary and before != after:
-        at, point = _halved(curve, here, step, lambda solved: Counter(solved.cycle.itinerary) == before)
-        lost, gained = before - after, after - before
-        words = [f"{verb} {_named(events)}" for verb, events in (("loses", lost), ("gains", gained)) if events]
-        found.append(Change("itinerary", curve.value(point.z), " and ".join(words), along + at))
-    outside = _outside(here.cycle)
-    if not fold and outside != _outside(there.cycle) and not found:
-        at, point = _halved(curve, here, step, lambda solved: _outside(solved.cycle) == outside)
-        leading = point.cycle.multipliers[0]
+@dataclass
+class _Walk:
+    """The branch one way from its ``first`` cycle, as far as it is known; ``ends``: what ends at those of the span."""
+
+    units: Units
+    ends: tuple[str, str]
+    first: Cycle
+    most: int
+    points: list[BranchPoint] = field(default_factory=list)
+    changes: list[Change] = field(default_factory=list)
+
+    def go(self, start: float, way: float) -> Iterator[int]:
+        """Follow the branch to its end, from a value of the parameter, which at first falls (``way`` −1) or grows.
+
+        Yields the number of its points as they are found, and in the end that of the most.
+        """
+        shooting = Shooting(self.units, self.first.orbit)
+        here = shooting.here(self.first.period, start, np.array([0.0, way]))
+        if here is None:
+            raise InputError("the cycle cannot be followed: its return map has no derivative.")
+        self.points.append(BranchPoint(start, self.first, 0.0))
+        step = _FIRST
+        there: Solved | None = here
+        while there is not None and not self._ends(here):
+            yield len(self.points)
+            # no longer than a part of a cycle that shrinks
+            there, step = _stepped(shooting, here, min(step, _LONGEST, 0.3 * _extent(shooting, here)))
+            if there is None:
+                there, step = self._behind(shooting, here, _last(shooting, here)), _FIRST
+            elif not self._reached(shooting, here, there):
+                there = None
+            if there is not None:
+                shooting, here = _centred(shooting, there)
+        yield self.most
+
+    def _ends(self, here: Solved) -> bool:
+        """Whether the branch ends at a point that is noted: of the span, or the last that is allowed."""
+        if len(self.points) >= self.most:
+            self._change("end", here, "the branch is longer than the number of points")
+        elif not self.units.holds(here.z[-1] + math.copysign(2 * AT_REST, here.tangent[-1])):
+            self._change("end", here, self.ends[int(here.tangent[-1] > 0)])
+        return bool(self.changes) and self.changes[-1].kind == "end"
+
+    def _change(self, kind: str, at: Solved, what: str, further: float = 0.0) -> None:
+        """Note a change at a point, so much further along than the last point."""
+        self.changes.append(Change(kind, self.units.value(at.z), what, self.points[-1].along + further))
+
+    def _reached(self, shooting: Shooting, here: Solved, there: Solved) -> bool:
+        """Note a point of the same piece and what changes on the way to it; returns whether the branch goes on."""
+        cycle, turn, (before, now) = _cycle(there), here, (_extent(shooting, one) for one in (here, there))
+        if now < _NOTHING:
+            gone = there.z + (now / (before - now) if before > now else 0.0) * (there.z - here.z)
+            self._change("end", replace(there, z=gone), "it shrinks to nothing")
+            return False
+        if here.tangent[-1] * there.tangent[-1] < 0:
+            turn = _halved(shooting, here, there, lambda other: other.tangent[-1] * here.tangent[-1] > 0)
+        if cycle is None:
+            self._change("end", here, self._why(shooting, here))
+            return False
+        if turn is here:
+            self._compare(shooting, here, there, cycle)
+        elif (parts := _parts(shooting, turn)) > 1:
+            self._change("end", turn, f"its {parts} parts become one cycle, of a period of 1/{parts} of its own")
+            return False
+        elif max(abs(turn.z[-1] - here.z[-1]), abs(turn.z[-1] - there.z[-1])) > _FLAT:
+            self._change("fold", turn, "two cycles meet", float(np.linalg.norm(turn.z - here.z)))
+        self._add(here, there, cycle)
+        back = self._comes_back(shooting, here, there)
+        if back:
+            self._change("end", there, _BACK)
+        return not back
+
+    def _add(self, here: Solved, there: Solved, cycle: Cycle) -> None:
+        along = self.points[-1].along + float(np.linalg.norm(there.z - here.z))
+        self.points.append(BranchPoint(self.units.value(there.z), cycle, along))
+
+    def _compare(self, shooting: Shooting, here: Solved, there: Solved, cycle: Cycle) -> None:
+        """Note a change of stability between two points of a piece."""
+        before = self.points[-1].cycle
+        outside = _outside(before)
+        if outside == _outside(cycle) or before.neutral or cycle.neutral:
+            return
+        point = _halved(shooting, here, there, lambda other: _outside(_cycle(other)) == outside)
+        leading = (_cycle(point) or before).multipliers[0]
         what = "a pair of multipliers" if leading.imag else f"a multiplier {'+1' if leading.real > 0 else '−1'}"
-        found.append(Change("stability", curve.value(point.z), f"{what} passes the unit circle", along + at))
-    return found
+        self._change("stability", point, f"{what} passes the unit circle", float(np.linalg.norm(point.z - here.z)))
+
+    def _comes_back(self, shooting: Shooting, here: Solved, there: Solved) -> bool:
+        """Whether the branch passes its first cycle between two points."""
+        start = self.units.counted(self.points[0].value)
+        part = (start - here.z[-1]) / (there.z[-1] - here.z[-1]) if there.z[-1] != here.z[-1] else 0.0
+        if not 0.0 < part <= 1.0:
+            return False
+        again = shooting.fixed(np.append((here.z + part * (there.z - here.z))[:-1], start))
+        cycle = None if again is None else _cycle(again)
+        return cycle is not None and same_cycle(cycle, self.first)
+
+    def _behind(self, shooting: Shooting, here: Solved, last: Solved) -> Solved | None:
+        """Note a border, at the last point of a piece, and the first point behind it, or why there is none."""
+        behind, nearest = _other(shooting, last)
+        cycle, further = None if behind is None else _cycle(behind), float(np.linalg.norm(last.z - here.z))
+        if behind is None or cycle is None:
+            self._change("end", last, self._why(shooting, last, nearest), further)
+            return None
+        words = _in_words(last, behind)
+        if words:
+            self._change("itinerary", last, words, further)
+        if last.tangent[-1] * (behind.z[-1] - last.z[-1]) < 0:
+            self._change("fold", last, "two cycles meet, of different events", further)
+        self._add(here, behind, cycle)
+        return behind
+
+    def _why(self, shooting: Shooting, last: Solved, nearest: Solved | None = None) -> str:
+        """What is known of why no piece is found behind the last point of one; ``nearest``: a cycle that is there."""
+        if _extent(shooting, last) < 1e2 * _NOTHING:
+            return "it shrinks to nothing"
+        beyond = next(_otherwise(shooting, last), None)
+        if beyond is None:
+            return "neighbours grow so much within a period that rounding hides what is beyond"
+        what = f"it {_in_words(last, beyond) or 'changes the order of its events'}"
+        if last.rests and not beyond.rests:
+            what = "its slip no longer comes to rest"
+        if not alike(last.motion.automaton, beyond.motion.automaton):
+            what += " as the drive gets other modes"
+        other = "" if nearest is None else f"; the nearest has a period of {nearest.motion.end_time:.9g} s"
+        return f"{what}, and no cycle of other events closes on its orbit{other}"
 
 
-def _named(events: Counter[tuple[str, str]]) -> str:
-    return ", ".join(f"{kind.replace('_', ' ')} into {mode.replace('_', ' ')}" for kind, mode in sorted(events))
+def _stepped(shooting: Shooting, here: Solved, step: float) -> tuple[Solved | None, float]:
+    """The next point of a piece, not beyond the span, and the step to try from there; None at a border.
 
+    Where the step fails it is halved, and then what is left of it, so that points soon come close to a border.
+    """
 
-def _outside(cycle: Cycle) -> int:
-    return int(np.sum(np.abs(cycle.multipliers) > 1))
+    def taken(step: float) -> Solved | None:
+        there = _on_piece(shooting, here, step)
+        found = None if there is None else shooting.directed(there, there.z - here.z)
+        return found if found is not None and found.tangent @ here.tangent >= 0.9 else None  # it turned too much
 
-
-def _halved(curve: BranchEquations, here: Solved, step: float, holds: Callable[[Solved], bool]) -> tuple[float, Solved]:
-    """The last place within a step at which a condition holds, to rounding; nearly that where points are missing."""
-    low, high, point = 0.0, step, here
-    while high - low > 1e-12:
+    there = taken(step)
+    if there is not None:
+        return there, 1.5 * step
+    low, high = 0.0, step
+    while high >= _SMALLEST and high - low > 0.2 * high:
         middle = 0.5 * (low + high)
-        solved = curve.corrected(here.z + middle * here.tangent, here.tangent)
-        if solved is not None and holds(solved):
-            low, point = middle, solved
-        else:
-            high = middle
-    return low, point
+        found = taken(middle)
+        low, high, there = (low, middle, there) if found is None else (middle, high, found)
+    return there, high - low
+
+
+def _last(shooting: Shooting, here: Solved) -> Solved:
+    """The last point of a piece that ends within a smallest step."""
+    left, last = 2 * _SMALLEST, here
+    while left > _TO_ROUNDING:
+        left *= 0.5
+        found = _on_piece(shooting, last, left)
+        last = last if found is None else replace(found, tangent=here.tangent)
+    return last
+
+
+def _on_piece(shooting: Shooting, here: Solved, step: float) -> Solved | None:
+    """The point of the piece a step ahead, or at the end of the span before it; None if it is not where that leads."""
+    units, ahead = shooting.units, here.tangent
+    guess = here.z + step * ahead
+    across = None if abs(ahead[-1]) > _STEEP else ahead
+    if not units.holds(guess[-1]):
+        step, across = (units.counted(units.value(guess)) - here.z[-1]) / ahead[-1], None
+        guess = here.z + step * ahead
+    there = shooting.solved(guess, across, here.slope, here.itinerary)
+    if there is None or there.itinerary != here.itinerary or shooting.across(there) < 0.5:  # the plane may soon miss it
+        return None
+    if np.linalg.norm(there.z - guess) > 0.25 * step + 1e-10:  # by which it may bend; rounding adds to small steps
+        return None
+    return replace(there, tangent=-there.tangent) if there.tangent @ ahead < 0 else there
+
+
+def _halved(shooting: Shooting, here: Solved, there: Solved, holds: Callable[[Solved], bool]) -> Solved:
+    """The last point on the way to another at which a condition holds, to a billionth of the way."""
+    length = float(here.tangent @ (there.z - here.z))
+    low, high, point = 0.0, length, here
+    while high - low > 1e-9 * length:
+        middle = 0.5 * (low + high)
+        found = _on_piece(shooting, here, middle)
+        low, high, point = (low, middle, point) if found is None or not holds(found) else (middle, high, found)
+    return point
+
+
+def _centred(shooting: Shooting, here: Solved) -> tuple[Shooting, Solved]:
+    """The same point by equations from the middle of an arc, where it is not near that and has a tangent there."""
+    other = shooting if shooting.centred(here) else Shooting(shooting.units, here.motion)
+    again = here if other is shooting else other.here(here.motion.end_time, shooting.units.value(here.z), here.tangent)
+    return (shooting, here) if again is None else (other, again)
+
+
+def _other(shooting: Shooting, last: Solved) -> tuple[Solved | None, Solved | None]:
+    """The cycle of other events that closes on the orbit of the last cycle of a piece, and the nearest that does not.
+
+    One with which the parameter goes on comes first.
+    """
+    onward, nearest, least = math.copysign(1.0, last.tangent[-1]), None, math.inf
+    for sign in (onward, -onward):
+        before: dict[Itinerary, float] = {}
+        for distance in _DISTANCES:
+            q, after = last.z[-1] + sign * distance, dict[Itinerary, float]()
+            for there in _near(shooting, last, q, distance) if shooting.units.holds(q) else ():
+                away = after[there.itinerary] = float(np.linalg.norm(there.z - last.z))
+                if away <= _NEARER * before.get(there.itinerary, 0.0):
+                    found = shooting.directed(there, there.z - last.z)
+                    if found is not None:
+                        return found, None
+                if away < least:
+                    nearest, least = there, away
+            before = after
+    return None, nearest
+
+
+def _near(shooting: Shooting, last: Solved, q: float, distance: float) -> Iterator[Solved]:
+    """Yield a cycle of each itinerary but the last one's that motions from around it lead to."""
+    seen = {last.itinerary}
+    for place in _around(shooting, last, q, distance):
+        shot = shooting.at(place)
+        if shot is None or shot.itinerary in seen:
+            continue
+        found = shooting.fixed(place)
+        if found is not None and found.itinerary not in seen:
+            seen.add(found.itinerary)
+            yield found
+
+
+def _otherwise(shooting: Shooting, last: Solved) -> Iterator[Shot]:
+    """Yield motions of other events from around the last cycle of a piece, the nearest first."""
+    onward = math.copysign(1.0, last.tangent[-1])
+    for distance in reversed(_DISTANCES):
+        for q in (last.z[-1] + onward * distance, last.z[-1] - onward * distance):
+            for place in _around(shooting, last, q, distance) if shooting.units.holds(q) else ():
+                shot = shooting.at(place, settled=True)
+                if shot is not None and shot.itinerary != last.itinerary:
+                    yield shot
+
+
+def _around(shooting: Shooting, last: Solved, q: float, distance: float) -> Iterator[np.ndarray]:
+    """Yield places at a value of the parameter: the last orbit's, next to it, and where motions from it come to."""
+    here = np.append(last.z[:-1], q)
+    yield here
+    for size in (1.0, 30.0):
+        for step in size * distance * np.eye(here.size)[:-2]:
+            yield here + step
+            yield here - step
+    for _ in range(8):  # periods, in which a motion comes to a cycle that attracts it
+        shot = shooting.at(here)
+        if shot is None:
+            return
+        here = np.array([*shot.motion.end_state / shooting.units.size, *here[-2:]])
+    yield here
+
+
+def _parts(shooting: Shooting, shot: Shot) -> int:
+    """In how many parts that are alike a period divides."""
+    events, size = shot.itinerary, shooting.units.size
+    for parts in range(len(events), 1, -1):
+        if events == events[: len(events) // parts] * parts:
+            (state,), _ = shot.motion.at([shot.motion.end_time / parts])
+            if (np.abs(state - shot.motion.start_state) / size).max() < 1e2 * _NOTHING:
+                return parts
+    return 1
+
+
+def _in_words(one: Shot, other: Shot) -> str:
+    """What events a cycle has not that another one has, and the other way round; passages are none of the motion."""
+    before, after = (
+        Counter(event for event in named_events(shot.drive, shot.motion) if event[0] != "passage")
+        for shot in (one, other)
+    )
+    changes = ("loses", before - after), ("gains", after - before)
+    named = [(verb, ", ".join(f"{kind} into {mode}" for kind, mode in sorted(events))) for verb, events in changes]
+    return " and ".join(f"{verb} {events}" for verb, events in named if events).replace("_", " ")
+
+
+def _extent(shooting: Shooting, shot: Shot) -> float:
+    """The largest peak-to-peak of a coordinate over a period, in sizes of the motion."""
+    states, _ = shot.motion.at(shot.motion.end_time * np.linspace(0.0, 1.0, 16))
+    return float(np.max(np.ptp(states, axis=0) / shooting.units.size))
+
+
+def _cycle(solved: Shot) -> Cycle | None:
+    motion = solved.motion
+    start = motion.automaton, motion.start_state, motion.start_mode
+    return cycle_from(solved.drive, *start, motion.time.size, "continuation")
+
+
+def _outside(cycle: Cycle | None) -> int:
+    return -1 if cycle is None else int(np.sum(np.abs(cycle.multipliers) > 1))

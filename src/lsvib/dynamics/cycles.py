@@ -99,12 +99,7 @@ class Cycle:
     @property
     def itinerary(self) -> tuple[tuple[str, str], ...]:
         """Events of a period, (kind, mode that is entered), without touches; the last one ends the period."""
-        model = model_of(self.drive)
-        return tuple(
-            (model.events(int(kind)).name.lower(), model.modes(int(self.orbit.automaton.codes[mode])).name.lower())
-            for kind, mode in zip(self.orbit.kind, self.orbit.mode, strict=True)
-            if kind != GRAZE_KIND
-        )
+        return named_events(self.drive, self.orbit)
 
     @cached_property
     def extremes(self) -> dict[str, tuple[float, float]]:
@@ -179,6 +174,16 @@ def _number(value: complex) -> float | list[float] | None:
     if not np.isfinite(value):
         return None
     return float(value.real) if value.imag == 0 else [float(value.real), float(value.imag)]
+
+
+def named_events(drive: Drive, motion: Motion) -> tuple[tuple[str, str], ...]:
+    """Return the events of a motion, (kind, mode that is entered), without touches."""
+    model, codes = model_of(drive), motion.automaton.codes[motion.mode]
+    return tuple(
+        (model.events(int(kind)).name.lower(), model.modes(int(code)).name.lower())
+        for kind, code in zip(motion.kind, codes, strict=True)
+        if kind != GRAZE_KIND
+    )
 
 
 def cycle_from(
@@ -322,11 +327,12 @@ def _edges(count: int, hits: int) -> str:
 
 
 def _add(found: list[Cycle], cycle: Cycle | None) -> None:
-    if cycle is not None and not any(_same(cycle, other) for other in found):
+    if cycle is not None and not any(same_cycle(cycle, other) for other in found):
         found.append(cycle)
 
 
-def _same(one: Cycle, other: Cycle) -> bool:
+def same_cycle(one: Cycle, other: Cycle) -> bool:
+    """Whether two cycles are the same: of one stability, with the same period and extremes to 1e-7."""
     if one.attracting != other.attracting or abs(one.period - other.period) > _SAME * one.period:
         return False
     ends = zip(one.extremes["angle_deviation"], other.extremes["angle_deviation"], strict=True)

@@ -24,7 +24,7 @@ from lsvib.engine.kernels.layout import ACCUMULATION_KIND, GRAZE_KIND
 _TERMS = 8.0  # most roundings in a term of a product of two matrices with up to five rows
 
 
-@kernel
+@entry
 def crossed_guard(tables, mode, kind, after, before):
     """Return the guard of ``mode`` that an event of ``kind`` into the mode ``after`` belongs to; −1 if there is none.
 

@@ -9,7 +9,7 @@ from enum import IntEnum
 from lsvib.dynamics.kernels import saltation_taylor
 from lsvib.engine.kernels import flow_planar
 from lsvib.engine.kernels.flow_planar import OVERFLOW, ROUNDING
-from lsvib.engine.kernels.jit import by_kind, kernel, on_stack
+from lsvib.engine.kernels.jit import by_kind, entry, kernel, on_stack
 from lsvib.engine.kernels.layout import A0, A1, ALPHA, BETA, EQUILIBRIUM, B
 
 
@@ -126,7 +126,7 @@ def _stays_modal(flow, mode, state):
 derivative = by_kind(_planar_flow, _modal_flow, saltation_taylor.derivative)
 
 
-@kernel
+@entry
 def field(flow, mode, state, rate, size):
     """Write x′ at a state, and the sizes of its terms, both (n)."""
     if flow.planar.size > 0:
