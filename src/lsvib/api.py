@@ -276,7 +276,7 @@ class DriveMethods(_Base):
         >>> [f"{force:.10f} N" for force in branch.folds]
         ['-18.3754629689 N']
 
-        See also: :meth:`threshold`, which solves for folds.
+        See also: :meth:`threshold`, whose values are enclosed for certain.
         """
         from lsvib.datasets.cycles import followed
 

@@ -146,7 +146,7 @@ RESISTED, CUT_OFF = NEAR_FOLD.replace(axial_force=-18), DRIVE(friction_slope=-2,
 OF_CONSTANT = "the closed form of the threshold {} holds for friction that does not depend on speed."
 OF_LEVEL = "holds for static friction that is not above that of sliding."
 FAST_NUT = {"mass": 24, "support_damping": 1.15e-3, "translation_damping": 2820, "friction_coefficient": 0.1974}
-CLOSED = ("detach", "global_stability", "fold", "cycle_birth", "rest_loss")
+CLOSED = ("detach", "global_stability")
 
 
 def branch(parameter, span, of=NEAR_FOLD):
@@ -171,12 +171,9 @@ REFUSED_THRESHOLDS = [
     (LIGHT, ("stick", 3), "unknown = 3 is not a parameter"),
     (LIGHT, ("kinematic_constraint", "axial_force"), "the threshold kinematic_constraint of this drive does not"),
     (LIGHT, ("kinematic_constraint", "lead_angle"), "no lead_angle in the allowed range 1e-06 <= lead_angle < 1.5708"),
-    (LIGHT, ("fold",), "the drive is not in the Painlevé region"),
     (LIGHT, ("flutter",), "threshold = 'flutter' is not one of those of this drive"),
     (RUBS, ("flutter",), "threshold = 'flutter' is not one of those of this drive: even_speed, onset, kinematic_const"),
     (LIGHT, ("stick", "friction_slope"), "holds for friction that is one number."),
-    (RESISTED.replace(support_damping=1e-3), ("fold",), "no axial_force is the threshold fold: next to -26.04"),
-    (RESISTED.replace(support_damping=1e-3), ("cycle_birth",), "the cycle without rest would begin where"),
     (RESISTED, ("detach", "mass"), "no mass within 6 decades on both sides of the drive's own value is the"),
     (PARADOX.replace(mass=10.0), ("global_stability",), "not in the Painlevé region"),
     (PARADOX.replace(support_damping=0.0), ("global_stability",), "attracts nothing"),

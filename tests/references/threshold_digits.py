@@ -114,8 +114,9 @@ _NAMES = {
 }  # fmt: skip
 
 
-def _returning(d, time, place):
-    """Q of slip that is back at u = x after a time at which ``place`` vanishes, near a given one."""
+def _fold(d, time):
+    """Slip from (x, −Ω) seizes as it is back at x, and the map of seizures has the slope 1 there, by its neighbours."""
+    q_u, q_w = _row(d)
 
     def back(t):
         """The slip whose deflection is x again at t: u(t) = x is linear in x."""
@@ -124,33 +125,15 @@ def _returning(d, time, place):
         x = zero / (1 - (one - zero))
         return x, flow(x).state(t)[1], flow(x)
 
-    t = root(lambda t: place(*back(t), t), time)
-    x, w, _ = back(t)
-    q_u, q_w = _row(d)
-    return q_u * x + q_w * w + d.Gamma(-1) * _net(d)
-
-
-def _fold(d, time):
-    """The map of seizures, of slip from (x, −Ω), has the slope 1: by the flow of neighbours and their event."""
-    q_u, q_w = _row(d)
-
-    def slope(x, w, flow, t):
+    def slope(t):
+        x, w, flow = back(t)
         u_by_x = flow.homogeneous(mpf(1), mpf(0), t)
         w_by_x = flow.homogeneous(mpf(0), -flow.b, t)
         q_rate = q_u * w + q_w * flow.second(x, w)
         return u_by_x - w * (q_u * u_by_x + q_w * w_by_x) / q_rate - 1
 
-    return _returning(d, time, slope)
-
-
-def _birth(d, time):
-    q_u, q_w = _row(d)
-    return _returning(d, time, lambda x, w, flow, t: q_u * w + q_w * flow.second(x, w))
-
-
-def _rest_loss(d, time):
-    end = _end_of_rest(d, -1)
-    return _returning(d, time, lambda x, w, flow, t: x - end)
+    x, w, _ = back(root(slope, time))
+    return q_u * x + q_w * w + d.Gamma(-1) * _net(d)
 
 
 _GAPS = {
@@ -160,9 +143,7 @@ _GAPS = {
     "stick": _stick,
     "detach": _touches(1),
     "global_stability": _touches(-1),
-    "fold": _fold,
-    "cycle_birth": _birth,
-    "rest_loss": _rest_loss,
+    "fold": _fold,  # one of the two of global stability
 }
 
 

@@ -52,18 +52,6 @@ TABLE = {
         "Under every smaller force all motions end in steady sliding; from this force to the onset, "
         "R = r_m tan(lead_angle) c_x Omega, some do not.", rigid=True, drawn=True, constant=True, rest=True,
     ),
-    "fold": Known(
-        "Two cycles of seizures without rest, one attracting and one repelling, meet and vanish.", rigid=True,
-        constant=True, rest=True,
-    ),
-    "cycle_birth": Known(
-        "The repelling cycle of seizures without rest touches Q = 0 where it seizes.", rigid=True, constant=True,
-        rest=True,
-    ),
-    "rest_loss": Known(
-        "On one side of it the sprag-slip cycle rests, on the other it does not.", "support_damping", rigid=True,
-        constant=True, rest=True,
-    ),
 }  # fmt: skip
 
 

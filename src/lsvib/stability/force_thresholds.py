@@ -49,28 +49,6 @@ def _negatively_damped(drive: Drive, rest: bool = False) -> SlipDrive:
     return d
 
 
-def _seizing(drive: Drive, undamped: str = "without damping no cycle of this drive is isolated.") -> SlipDrive:
-    """Constants of a drive in the Painlevé region; refused outside and, in words of its own, if undamped."""
-    d = SlipDrive.of(drive, rest=True)
-    if not d.inertia[1] <= 0:
-        raise NoThreshold(
-            "the drive is not in the Painlevé region (effective inertia of law + positive), where no motion seizes."
-        )
-    if not d.damping[-1] > 0:
-        raise NoThreshold(undamped)
-    return d
-
-
-def _without_rest(drive: Drive) -> SlipDrive:
-    d = _seizing(drive)
-    if not (d.contact[1] > 0 and d.outward > 0):
-        raise NoThreshold(
-            "the drive has support_damping * mass <= translation_damping * screw_inertia, or slip that leaves Q < 0 "
-            "only backwards, so no cycle of seizures goes on without rest."
-        )
-    return d
-
-
 def _apart(start: Start, d: SlipDrive) -> Start:
     """Refuse a force of the mirrored drive that is the onset to the last digit, or that exceeds all allowed forces."""
     if float(start.force) == float(d.onset):
@@ -153,12 +131,20 @@ def global_stability_start(drive: Drive) -> Start:
     of the forces at which the first of each begins. For the few drives with m c < c_x I for which this is not proved
     there is none.
     """
-    d = _seizing(drive, "without damping steady sliding attracts nothing.")
+    d = SlipDrive.of(drive, rest=True)
+    if not d.inertia[1] <= 0:
+        raise NoThreshold(
+            "the drive is not in the Painlevé region (effective inertia of law + positive), where no motion seizes."
+        )
+    if not d.damping[-1] > 0:
+        raise NoThreshold("without damping steady sliding attracts nothing.")
     found = _NONE
     if d.outward > 0:  # else slip seizes while u falls: each seizure is left of the last, and their number is finite
         found = _rest_goes_on_from(d)
         if d.contact[1] > 0:
-            found = min(found, _fold(d)[0], key=lambda at: at.force)
+            widest, time = widest_return(d)
+            fold = Start("fold", d.onset - widest / d.inertia[-1], (time,))  # two cycles of seizures without rest meet
+            found = min(found, fold, key=lambda at: at.force)
         elif d.contact[1] < 0:
             _require_rest_in_every_cycle(d, found.force)
     if not found.force < d.onset:
@@ -190,8 +176,8 @@ def _rest_goes_on_from(d: SlipDrive) -> Start:
     return _NONE if found is None else Start("rest seizes", force, (found[1],))
 
 
-def durations(d: SlipDrive) -> list[arb]:
-    """Durations [s] of slip under law − from θ′ = 0 until it is back at the same u, 241 in equal ratios.
+def _durations(d: SlipDrive) -> list[arb]:
+    """Durations [s] of slip under law − from θ′ = 0 until it is back at the same u, 240 in equal ratios; q_w > 0.
 
     Q_uw ≤ q_u x + q_w Ω, since slip decays, and x lies between −2 Ω / (a₀ τ) and −Ω / (a₀ τ) as long as τ is short
     against the slowest time: nothing happens earlier. Slip that turns comes back within a turn; other slip has all but
@@ -199,25 +185,24 @@ def durations(d: SlipDrive) -> list[arb]:
     """
     slip, (q_u, q_w) = d.slip(-1), d.contact
     slowest = 1 / slip.a0.sqrt() if slip.turns else -1 / slip.rates[0]
-    first = min(q_u / (slip.a0 * q_w), slowest) if q_w > 0 else slowest
-    low, high = 0.1 * first, 2 * arb.pi() / slip.beta if slip.turns else 40 * slowest
+    low, high = 0.1 * min(q_u / (slip.a0 * q_w), slowest), 2 * arb.pi() / slip.beta if slip.turns else 40 * slowest
     step = (high / low).log() / 240
-    return [(low * (k * step).exp()).mid() for k in range(241)]
+    return [(low * (k * step).exp()).mid() for k in range(240)]
 
 
-def widest_return(d: SlipDrive) -> tuple[arb, arb, arb]:
+def widest_return(d: SlipDrive) -> tuple[arb, arb]:
     """Largest Q_uw at which slip from θ′ = 0 at u = x < C₋ Ω / k [rad] first comes back to u = x; q_w > 0.
 
-    Returns it with that x and the time τ [s] of the slip. Minus infinity if no slip comes back.
+    Returns it with the time τ [s] of the slip. Minus infinity if no slip comes back.
     """
-    largest, times = d.end_without_force(), durations(d)[:-1]
+    largest, times = d.end_without_force(), _durations(d)
 
     def comes_back(back: Return) -> bool:
         return bool(back.x < largest and back.w > 0)
 
     returns = list(takewhile(comes_back, (Return(d, time) for time in times)))
     if not returns:
-        return arb.neg_inf(), arb.nan(), arb.nan()
+        return arb.neg_inf(), arb.nan()
     best = max(range(len(returns)), key=lambda k: float(returns[k].h))
     low, high, beyond = times[max(best - 1, 0)], times[best], times[min(best + 1, len(times) - 1)]
     if comes_back(Return(d, beyond)):
@@ -230,14 +215,7 @@ def widest_return(d: SlipDrive) -> tuple[arb, arb, arb]:
     time = low if Return(d, low).h_rate < 0 else high
     if Return(d, low).h_rate > 0 > Return(d, high).h_rate:
         time = bracketed_root(lambda time: Return(d, time).h_rate, low, high, CLOSE)
-    back = Return(d, time)
-    return back.h, back.x, time
-
-
-def _fold(d: SlipDrive) -> tuple[Start, arb]:
-    """Smallest R [N] at which two cycles of seizures without rest meet, infinite if at none, and u there; q_w > 0."""
-    widest, x, time = widest_return(d)
-    return Start("fold", d.onset - widest / d.inertia[-1], (time,)), x
+    return Return(d, time).h, time
 
 
 def _require_rest_in_every_cycle(d: SlipDrive, force: arb) -> None:
@@ -265,72 +243,10 @@ def _require_rest_in_every_cycle(d: SlipDrive, force: arb) -> None:
     )
 
 
-def _first_root(d: SlipDrive, function: Callable[[Return], Any]) -> arb | None:
-    """The first time at which a function of returns changes sign while slip comes back forward, if any."""
-    last = None
-    for time in durations(d)[:-1]:
-        back = Return(d, time)
-        if not back.w > 0:
-            return None
-        value = function(back)
-        if last is not None and (value > 0) != (last[1] > 0):
-            found: arb = bracketed_root(lambda at: function(Return(d, at)), last[0], time, CLOSE)
-            return found
-        last = time, value
-    return None
-
-
-def fold_start(drive: Drive) -> Start:
-    """Axial force at which two cycles of seizures without rest meet and vanish."""
-    d = _without_rest(drive)
-    found, x = _fold(d)
-    if not found.force.is_finite():
-        raise NoThreshold("slip under law - never comes back to where it started, so no cycle goes on without rest.")
-    return _before_rest(found, x, d)
-
-
-def cycle_birth_start(drive: Drive) -> Start:
-    """Axial force at which the repelling cycle without rest touches Q = 0 where it seizes."""
-    d = _without_rest(drive)
-    time = _first_root(d, lambda back: back.q_rate)
-    if time is None:
-        raise NoThreshold("slip under law - that comes back to where it started never touches Q = 0 there.")
-    back = Return(d, time)
-    return _before_rest(Start("cycle_birth", d.onset - back.h / d.inertia[-1], (time,)), back.x, d)
-
-
-def _before_rest(start: Start, x: arb, d: SlipDrive) -> Start:
-    """Refuse a cycle without rest that would begin where the screw rests, or where steady sliding is unstable."""
-    if not start.force < d.onset:
-        raise NoThreshold("the force at which it would lie is not below the onset, R = r_m tan(lead_angle) c_x Omega.")
-    if not x < d.end_of_rest(start.force):
-        raise NoThreshold("the cycle without rest would begin where the screw still rests, so there is none.")
-    return start
-
-
-def rest_left(drive: Drive) -> tuple[arb, Start]:
-    """Return Q as slip from the end of rest is back at that deflection, and the equations of its zero.
-
-    Where Q < 0 it seizes later, and rests again; where Q > 0 it has seized before, and goes on without rest. Raises
-    ``NoThreshold`` if it does not come back, or has met Q = 0 long before.
-    """
-    d = _seizing(drive)
-    end = d.end_of_rest(d.force)
-    time = _first_root(d, lambda back: back.x - end)
-    if time is None:
-        raise NoThreshold("slip from the end of rest does not come back to where it started.")
-    back = Return(d, time)
-    if not back.q_rate > 0:
-        raise NoThreshold("slip from the end of rest seizes long before it is back where it started, or never.")
-    return back.h + d.inertia[-1] * d.net, Start("rest lost", d.force, (time,))
-
-
 STARTS: dict[str, Callable[[Any], Start]] = {
     "onset": lambda drive: Start("", _negatively_damped(drive).onset),  # (8.15, 8.19)
     "stick": stick_start,
     "detach": detach_start,
     "global_stability": global_stability_start,
-    "fold": fold_start,
-    "cycle_birth": cycle_birth_start,
 }
 """Thresholds that are forces in closed form, for rigid drives mirrored to Ω > 0; no other model has one of the name."""

@@ -44,11 +44,6 @@ class Return:
         w_rate = self.speed * (slip.a1 * s_rate + slip.a0 * s) - slip.a0 * (x_rate * s + self.x * s_rate)
         return self.q_u * x_rate + self.q_w * w_rate
 
-    @property
-    def q_rate(self) -> Any:
-        """Q′ along the slip as it comes back."""
-        return self.q_u * self.w - self.q_w * (self.slip.a0 * self.x + self.slip.a1 * self.w)
-
 
 # Each of these returns what vanishes at the threshold, from a drive and the unknown times.
 
@@ -69,10 +64,10 @@ def _touches(law: int, stops: bool, d: SlipDrive, times: Sequence[Any]) -> list[
     return [w + d.speed if stops else q_rate, q_u * y + q_w * w + d.inertia[law] * d.net]
 
 
-def _comes_back(zero: Callable[[SlipDrive, Return], Any], d: SlipDrive, times: Sequence[Any]) -> list[Any]:
-    """A cycle of seizures, Q = 0 on coming back, on which something else vanishes as well."""
+def _fold(d: SlipDrive, times: Sequence[Any]) -> list[Any]:
+    """Two cycles of seizures that lead to each other, Q = 0 on coming back, meet."""
     back = Return(d, times[0])
-    return [zero(d, back), back.h + d.inertia[-1] * d.net]
+    return [back.h_rate, back.h + d.inertia[-1] * d.net]
 
 
 def _even(law: int, d: SlipDrive, times: Sequence[Any]) -> list[Any]:
@@ -82,12 +77,10 @@ def _even(law: int, d: SlipDrive, times: Sequence[Any]) -> list[Any]:
 
 
 _STICK = "v̂₊(τ₁) = v₋(τ₂), v̂₋(τ₂) = v₊(τ₁): the cycle of slip; on it under law {} w′(τ₃) = 0 and w(τ₃) = −Ω (Sect. 8.5)"
-_RETURN = "slip under law − from (x, −Ω) back at u = x after τ: {} and Q(τ) = h(τ) + Γ₋ R̃ = 0 (eq. 8.17, Sect. 8.7)"
+_FOLD = "slip under law − from (x, −Ω) back at u = x after τ: dh/dτ = 0, Q(τ) = h(τ) + Γ₋ R̃ = 0 (eq. 8.17, Sect. 8.7)"
 _DETACH = "slip under law + from the end of rest, u = C₊ Ω / k, has {}(τ) = 0 and Q(τ) = 0 (eq. 8.17, Sect. 8.5)"
-_END = "from the end of rest, {} = C₋ Ω / k, for R > 0 less r_m (ξ₊ − ξ₋) R / k,"
-_SEIZES = f"slip under law − {_END.format('u')} has Q′(τ) = 0 and Q(τ) = 0 (eq. 8.17, Sect. 8.7)"
-_LOST = f"slip under law − {_END.format('x')} is back at u = x after τ with Q(τ) = 0 (eq. 8.17)"
-
+_END = "the end of rest, u = C₋ Ω / k, for R > 0 less r_m (ξ₊ − ξ₋) R / k,"
+_SEIZES = f"slip under law − from {_END} has Q′(τ) = 0 and Q(τ) = 0 (eq. 8.17, Sect. 8.7)"
 _EVEN = "slip under law {} touches θ′ = 0 a time τ after its release: C(−τ) = 1, T_r − T = k Ω S(−τ) of dry friction"
 
 _SYSTEMS: dict[str, tuple[str, _OfDrive]] = {
@@ -98,10 +91,7 @@ _SYSTEMS: dict[str, tuple[str, _OfDrive]] = {
     "even+": (_EVEN.format("+"), partial(_even, 1)),
     "even-": (_EVEN.format("−"), partial(_even, -1)),
     "rest seizes": (_SEIZES, partial(_touches, -1, False)),
-    # seizures that lead to each other; one that touches where it seizes
-    "fold": (_RETURN.format("dh/dτ = 0"), partial(_comes_back, lambda d, back: back.h_rate)),
-    "cycle_birth": (_RETURN.format("Q′(τ) = 0"), partial(_comes_back, lambda d, back: back.q_rate)),
-    "rest lost": (_LOST, partial(_comes_back, lambda d, back: back.x - d.end_of_rest(d.force))),
+    "fold": (_FOLD, _fold),
 }
 
 

@@ -25,7 +25,7 @@ from lsvib.numbers import shown
 from lsvib.results import Derivative, PrintedValue, Threshold, ThresholdSolution
 from lsvib.stability import boundaries
 from lsvib.stability.boundaries import FRICTIONLESS, Place, StableSet, places, searched, stable_set
-from lsvib.stability.force_thresholds import STARTS, rest_left
+from lsvib.stability.force_thresholds import STARTS
 from lsvib.stability.motion_equations import Start, equations
 from lsvib.stability.solve import DECADES, Root, Singular, outwards, samples, sign_changes, solved
 
@@ -91,7 +91,7 @@ def _solve(drive: Drive, name: str, unknown: str, even: Solver | None) -> Thresh
     if unknown in DRY:
         raise NoThreshold(f"the threshold {name} has a closed form without friction of slide, bearing and collar only.")
     _require_one_friction(drive, name, unknown)
-    if name in STARTS and unknown == "axial_force":
+    if unknown == "axial_force":
         return _by_force(drive, name)
     return _by_search(drive, name, unknown)
 
@@ -184,8 +184,6 @@ def _why_not(name: str, drive: Drive) -> str:
 def _start(name: str, drive: Any) -> tuple[Any, Start]:
     """What is left of a threshold's equation at a drive, and where Newton's method starts."""
     with many_digits():
-        if name == "rest_loss":
-            return rest_left(drive)
         start = STARTS[name](drive)
         return start.force - drive.axial_force * (1 if drive.input_speed > 0 else -1), start
 
