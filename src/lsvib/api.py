@@ -411,32 +411,11 @@ class DriveMethods(_Base):
         >>> f"{found.angle:.6g} rad, {found.speed:.6g} rad/s, {found.energy:.6g} J, {found.fraction:.6g}"
         '0.0223138 rad, 7.46627 rad/s, 0.000154064 J, 0.00530736'
 
-        See also: :meth:`resilience_sweep`, over parameters.
+        See also: :meth:`basin`, its exact boundary.
         """
         from lsvib.basins.resilience import resilience
 
         return resilience(self, window)
-
-    def resilience_sweep(
-        self, window: "Part | None" = None, *, progress: Progress | None = None, **over: "Values"
-    ) -> "xr.Dataset":
-        """Return the perturbations that steady sliding tolerates over values of some parameters.
-
-        Arguments: ``window`` as of :meth:`resilience`; ``over`` and ``progress`` as of :meth:`sweep`.
-
-        Returns a dataset over the parameters with fatal_angle [rad], fatal_speed [rad/s], fatal_energy [J], and with a
-        window basin_fraction [1]; nan where docs/basin.md lists the drive as not covered. Raises ``InputError``.
-
-        >>> drive = lsvib.Drive(mass=11, support_damping=1e-3)
-        >>> found = drive.resilience_sweep(axial_force=[-40, -20, -10])
-        >>> [f"{energy:.3g}" for energy in found.fatal_energy.values]
-        ['inf', '0.000616', '0.000154']
-
-        See also: :meth:`resilience`, for one drive.
-        """
-        from lsvib.datasets.sweep import resilience_sweep
-
-        return resilience_sweep(self, over, window, progress)
 
     def _automaton_and_state(self, start: Start, resume: str, physics: Terms) -> tuple["Automaton", Any]:
         scene = Scene(drive=self, start=start, duration=1.0, resume=resume, physics=physics)

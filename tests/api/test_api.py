@@ -205,14 +205,6 @@ def test_a_sweep_says_the_parts_that_it_varies():
     assert json.loads(found.attrs["parameters"])["contact_damping"] == 0.0
 
 
-def test_resilience_has_no_number_where_the_basin_has_no_closed_form():
-    found = NEAR_FOLD.resilience_sweep(slide_friction=[0.0, 5.0])
-    assert found.fatal_speed.values[0] == NEAR_FOLD.resilience().speed
-    assert np.isnan(found.fatal_speed.values[1])
-    assert "for rigid drives without friction" in found.attrs["refused"]
-    assert np.isnan(NEAR_FOLD.resilience_sweep(contact_stiffness=[1e6]).fatal_speed.values[0])
-
-
 @pytest.mark.slow
 def test_a_cycle_is_followed_from_a_rigid_drive_to_friction_of_its_slide():
     """The tables of both are of different kinds; the end is what the cycle of that drive is by itself."""

@@ -140,22 +140,3 @@ def test_nothing_is_tolerated_where_steady_sliding_is_neutral():
     assert (found.boundary, found.energy, found.fraction) == ("neutral", 0, 0)
     assert lsvib.Drive(mass=11, axial_force=10).resilience().boundary == "unstable"
     assert lsvib.Drive(mass=11, support_damping=0, axial_force=10).resilience().boundary == "unstable"
-
-
-def test_a_sweep_is_its_points():
-    found = PARADOX.resilience_sweep(WINDOW, axial_force=[-40, -10, 5])
-    assert found.fatal_energy.dims == ("axial_force",)
-    for force in (-40, -10, 5):
-        one = PARADOX.replace(axial_force=force).resilience(WINDOW)
-        at = found.sel(axial_force=force)
-        for name, value in (
-            ("fatal_angle", one.angle),
-            ("fatal_speed", one.speed),
-            ("fatal_energy", one.energy),
-            ("basin_fraction", one.fraction),
-        ):
-            assert at[name].item() == value
-    assert "basin_fraction" not in PARADOX.resilience_sweep(axial_force=[-10])
-    refused = lsvib.Drive(mass=1, axial_force=10).resilience_sweep(translation_damping=[1e5])
-    assert np.isnan(refused.fatal_energy).all()
-    assert len(json.loads(refused.attrs["refused"])) == 1

@@ -183,15 +183,10 @@ def test_cycles_and_follow(run):
     assert "1 <= cycle <= 2" in refused(run, "follow", *FOLD, *over, "--cycle", "3")
 
 
-def test_resilience_in_words_and_over_a_parameter(run):
+def test_resilience_in_words(run):
     """Where every perturbation is tolerated none has a limit: in words, and null in JSON."""
     speed = PARADOX.resilience().speed
     assert f"largest tolerated perturbation of the speed: {speed:.12g} rad/s\n" in run("resilience", *DRIVE)[1]
-    over = ("--over", "axial_force=-40:-10:2", "--out", "reserve.nc")
-    result = json.loads(run("resilience", *DRIVE[:4], *over, "--json")[1])
-    assert result == {"points": 2, "not_covered": 0}
-    with xr.open_dataset("reserve.nc") as found:
-        assert found.fatal_speed.values.tolist() == [float("inf"), speed]
     text = run("resilience", "--set", "mass=1")[1]
     assert text.count(": none\n") == 1  # the boundary of the region
     assert text.count(": unlimited\n") == 3  # of each of the perturbations

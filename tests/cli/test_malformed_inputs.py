@@ -74,14 +74,12 @@ COMMANDS = [
     ("sweep --over mass=1:2:3 --set mass=4 --out x.nc", "mass is varied and given by --set"),
     ("sweep --over lead_angle=0.1:0.2:3 --set lead_angle_deg=4", "lead_angle is varied and given by --set"),
     ("chart --x mass=1:20:2 --y axial_force=1:2:2 --set mass=4", "mass is varied and given by --set"),
-    ("resilience --over mass=1:2:3 --set mass=4 --out x.nc", "mass is varied and given by --set"),
     ("attraction --grid u=0:1:20 w=0:1:1000000000 --out x.nc", "1 <= count <= 10000000"),
     ("attraction --grid u=0:1:10000 w=0:1:10001 --out x.nc", "grid has 100010000 cells; the allowed range is up to"),
     ("sweep --over mass=1:2:10000000 --over axial_force=1:2:10000000", "over has 100000000000000 points"),
     ("chart --x mass=1:20:2 --y mass=1:20:2 --out x.nc", "both mass"),
     ("follow --set mass=11 --over axial_force=-18 --out x.nc", "KEY=LOW:HIGH"),
     ("resilience --window u=-0.3", "Invalid value for --window: 'u=-0.3' is not of the form KEY=LOW:HIGH"),
-    ("resilience --over mass=1:2:3", "over and out belong together"),
     # Figures.
     ("figure 8.99", "figure 8.99 is not one of 8.1, 8.2, "),
     ("figure 8.8 --config none.yaml", "none.yaml"),
@@ -101,7 +99,6 @@ COMMANDS = [
         f"{MAP} --figure results/figures/attraction.png",
         "chart --x mass=1:20:2 --y axial_force=-60:60:2 --out results/chart/chart.nc",
         "follow --over mass=10.2:14 --set mass=11 --out results/datasets/file.nc",
-        "resilience --over axial_force=-33:-1:2 --out results/datasets/file.nc",
         "assess sheet.yaml --out results/assessments/sheet",
     )),
 ]  # fmt: skip

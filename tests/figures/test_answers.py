@@ -28,7 +28,6 @@ ANSWERS = {  # what makes it, panels with data, words and units that they show
     "plane": (
         lambda: DRIVE.sweep(axial_force=[-60, -10, 10], mass=[9, 11]), 2, ["What the motion ends on", "Amplitude"],
     ),
-    "reserve": (lambda: DRIVE.resilience_sweep(axial_force=[-20, -10]), 3, ["Energy", "[J]", "Axial force"]),
     "branch": (branch, 2, ["Amplitude", "Period of the cycle", "Axial force", "[s]"]),
     "chart": (
         lambda: DRIVE.chart(("contact_stiffness", 1e6, 1e9, 3), ("contact_damping", 1e3, 1e6, 3)), 1,
@@ -80,6 +79,7 @@ SPOILED = [  # kind, what is done to it, and what the sentence says, or nothing 
     ("motion", lambda x: (x.normal_force.attrs.update(symbol=r"$\frac{$"), x)[1], "ParseException|Expected"),
     ("motion", lambda x: x.assign(own=("time", 2 * x.time.values), words=("time", x.time.values.astype(str))), ""),
     ("sweep", lambda x: x.assign(own=("other", [1.0, 2.0]), more=x.amplitude.drop_attrs()), ""),
+    ("sweep", lambda x: x.drop_vars("attractor"), "cannot be drawn; motions, sweeps"),
     ("plane", lambda x: x.expand_dims(support_damping=[1e-3, 2e-3]), "cannot be drawn; motions, sweeps"),
     ("branch", lambda x: x.assign_attrs(changes="{"), "Expecting property name"),
     ("chart", lambda x: x.drop_vars("fraction"), "fraction"),

@@ -91,9 +91,6 @@ def resilience(
     *,
     drive: options.DriveOptions = options.CHAPTER,
     window: options.Window = None,
-    over: options.Over | None = None,
-    out: options.OutFile | None = None,
-    figure: options.Picture = None,
     as_json: options.AsJson = False,
 ) -> None:
     """Find the largest perturbations that the rigid drive's steady sliding tolerates, and how much of a window settles.
@@ -101,25 +98,10 @@ def resilience(
     Examples of use:
 
         lsvib resilience --set mass=11 --set support_damping=1e-3 --set axial_force=-10 --window u=-0.3:0.3 w=-150:150
-
-        lsvib resilience --set mass=11 --set support_damping=1e-3 --over axial_force=-33:-1:65 --out reserve.nc
     """
-    files = options.Files(out, figure)
-    if figure and not over:
-        raise InputError("figure is for the values over a parameter; give them as over.")
-    if (over is None) != (out is None):
-        raise InputError("over and out belong together: the values over a parameter are written to a file.")
     part = {span.key: (span.low, span.high) for span in window} if window else None
-    if over is None:
-        reserve = drive.drive().resilience(part)
-        show(reserve.to_json(), as_json, _of_resilience(reserve))
-        return
-    drive.refuse(*over)
-    axes = {axis.key: axis.values() for axis in over}
-    found = drive.drive().resilience_sweep(part, progress=ProgressLine("points"), **axes)
-    files.write(found)
-    result = {"points": int(found.fatal_energy.size), "not_covered": int(found.fatal_energy.isnull().sum())}
-    show(result, as_json, [f"wrote {out}: {result['points']} points, {result['not_covered']} of them not covered"])
+    reserve = drive.drive().resilience(part)
+    show(reserve.to_json(), as_json, _of_resilience(reserve))
 
 
 def _of_resilience(found: "Resilience") -> Iterator[str]:

@@ -1,4 +1,4 @@
-"""Over values of a drive's parameters: what motions end on, what the drive does, and the perturbations it tolerates.
+"""Over values of a drive's parameters: what motions end on, and what the drive does.
 
 A point depends on nothing but its own drive and start, so that no number depends on the other points, their order, or
 the number of threads. Nothing is simulated for some time and looked at: the return map decides, as for one drive.
@@ -18,16 +18,14 @@ import numpy as np
 import xarray as xr
 
 from lsvib import numbers, words
-from lsvib.basins.curves import Part, Window
 from lsvib.basins.grid import MOST_CELLS, Axis
-from lsvib.basins.resilience import resilience
 from lsvib.datasets import attributes as cf
 from lsvib.datasets.io import write_dataset
 from lsvib.datasets.spans import zero_where_rounded
 from lsvib.dynamics.attractor import Attractor
 from lsvib.dynamics.behaviour import Behaviour, behaviours
 from lsvib.dynamics.sweep import all_endings
-from lsvib.errors import EngineError, InputError
+from lsvib.errors import InputError
 from lsvib.models.drive import Drive, names_and_values, require_direction
 from lsvib.models.many import ManyDrives
 from lsvib.models.model import model_of
@@ -46,12 +44,6 @@ _VARIABLES = {
     "peak_normal_impulse": cf.attributes("N s", "largest magnitude of the normal impulse of a seizure"),
 }
 _LABEL = cf.attributes("1", "what the drive does", **cf.flags(Behaviour))
-_PERTURBATIONS = {  # where a resilience has it, unit, words
-    "fatal_angle": ("angle", "rad", "largest tolerated perturbation of the deflection alone"),
-    "fatal_speed": ("speed", "rad s-1", "largest tolerated perturbation of the speed alone"),
-    "fatal_energy": ("energy", "J", "energy up to which every perturbation is tolerated"),
-    "basin_fraction": ("fraction", "1", "share of the window that settles, exact"),
-}
 
 
 def sweep(
@@ -62,7 +54,7 @@ def sweep(
     progress: numbers.Progress | None = None,
 ) -> xr.Dataset:
     """Return what a drive ends on as its method ``sweep`` does; ``over``: values by name of a parameter."""
-    at_once, axes = numbers.workers(workers), axes_of(over, _MOST)
+    at_once, axes = numbers.workers(workers), axes_of(over)
     drives, sizes = product_of(drive, axes), tuple(map(len, axes.values()))
     first = drives.one(0)  # with the parts that are varied
     begin: dict[str, float] | str = REST
@@ -224,8 +216,8 @@ def known_key(name: Any, where: str = "") -> None:
         raise InputError(f"{where}{numbers.shown(name)} is not a known key; the known keys are {known}.")
 
 
-def axes_of(over: Any, most: int) -> dict[str, list[float]]:
-    """Return the values of each parameter of a product of ``most`` points at most; raises ``InputError``."""
+def axes_of(over: Any) -> dict[str, list[float]]:
+    """Return the values of each parameter of a product; raises ``InputError``."""
     axes: dict[str, list[float]] = {}
     lists = names_and_values("over", over)
     for name, given in lists.items():
@@ -233,8 +225,8 @@ def axes_of(over: Any, most: int) -> dict[str, list[float]]:
         if isinstance(given, str | bytes | Mapping) or getattr(given, "ndim", 1) != 1 or not hasattr(given, "__len__"):
             raise InputError(f"over: {name} = {numbers.shown(given)} is not a list of numbers.")
     total = math.prod(map(len, lists.values()))
-    if not 1 <= total <= most:
-        raise InputError(f"over has {total} points; the allowed range is 1 <= points <= {most}.")
+    if not 1 <= total <= _MOST:
+        raise InputError(f"over has {total} points; the allowed range is 1 <= points <= {_MOST}.")
     for name, given in lists.items():
         try:
             axes[name] = [numbers.number(value) for value in given]
@@ -260,36 +252,3 @@ def product_of(drive: Drive, axes: Mapping[str, Sequence[float]]) -> ManyDrives:
     grids = np.meshgrid(*axes.values(), indexing="ij")
     first = drive.replace(**{name: values[0] for name, values in axes.items()})
     return ManyDrives(dict(first) | {name: grid.ravel() for name, grid in zip(axes, grids, strict=True)})
-
-
-def resilience_sweep(
-    drive: Drive, over: Mapping[str, Any], window: Part | None = None, progress: numbers.Progress | None = None
-) -> xr.Dataset:
-    """Return the perturbations that steady sliding tolerates as the method ``resilience_sweep`` of a drive does.
-
-    The reasons why some drives have no numbers are in the attribute ``refused``.
-    """
-    window = None if window is None else Window.of(window)
-    axes = axes_of(over, _MOST // 10)  # at some 10 ms each three hours
-    drives = [drive.replace(**dict(zip(axes, values, strict=True))) for values in product(*axes.values())]
-    asked = {name: about for name, about in _PERTURBATIONS.items() if name != "basin_fraction" or window is not None}
-    table, refused = np.full((len(drives), len(asked)), math.nan), set[str]()
-    for k, one in enumerate(drives):
-        try:
-            found = resilience(one, window)
-            table[k] = [getattr(found, where) for where, *_ in asked.values()]
-        except (InputError, EngineError) as error:
-            refused.add(str(error))
-        if progress is not None:
-            progress(k + 1, len(drives))
-    columns = table.T.reshape(len(asked), *map(len, axes.values()))
-    return _over(
-        cf.varied(**axes),
-        drives[0],
-        {name: cf.variable(tuple(axes), column, *asked[name][1:]) for name, column in zip(asked, columns, strict=True)},
-        title=f"Perturbations that the rigid lead-screw drive tolerates over {', '.join(axes)}",
-        source="lsvib, exact boundary of the region of attraction",
-        references="doi:10.1007/978-1-4419-1752-2_8, Sect. 8.7",
-        window=json.dumps(None if window is None else window._asdict()),
-        refused=json.dumps(sorted(refused)),
-    )

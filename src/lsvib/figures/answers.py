@@ -98,7 +98,7 @@ def _picture(dataset: xr.Dataset) -> style.Figure:
         return chart.draw(dataset) if "behaviour" in dataset else attraction.draw(dataset)
     swept = tuple(name for name in dataset.dims if name in Drive.model_fields)
     numbers = [name for name, x in dataset.data_vars.items() if x.dims == swept and x.dtype.kind in _NUMBERS]
-    if not numbers or len(swept) not in (1, 2):
+    if "attractor" not in numbers or len(swept) not in (1, 2):
         raise InputError(f"a dataset over {', '.join(map(str, dataset.dims)) or 'nothing'} cannot be drawn; {_CAN}.")
     return _curves(dataset[numbers]) if len(swept) == 1 else _plane(dataset[numbers])
 
@@ -150,9 +150,7 @@ def _curves(dataset: xr.Dataset) -> style.Figure:
     figure = style.new_figure(style.DOUBLE, _EDGE + _HEIGHT * len(numbers))
     panels = figure.subplots(len(numbers), 1, sharex=True, squeeze=False)[:, 0]
     for axes, values in zip(panels, numbers, strict=True):
-        if "attractor" not in dataset:
-            axes.plot(dataset[along], values, "o-", markersize=2.5)
-        for name in flag_names(dataset["attractor"]).values() if "attractor" in dataset else ():
+        for name in flag_names(dataset["attractor"]).values():
             here = named(dataset["attractor"], name)
             look = {"color": attraction.COLOURS[name], "markersize": 2.5}
             if here.any():
@@ -160,33 +158,30 @@ def _curves(dataset: xr.Dataset) -> style.Figure:
         _name(axes, values)
     panels[-1].set_xlabel(style.label(dataset[along]))
     figure.align_ylabels(panels)
-    return style.legend(figure, panels[:1], 4) if "attractor" in dataset else figure
+    return style.legend(figure, panels[:1], 4)
 
 
 def _plane(dataset: xr.Dataset) -> style.Figure:
-    """What the motions end on over two parameters, and how large the vibration is; or the first number of another."""
+    """What the motions end on over two parameters, and how large the vibration is."""
     down, across = dataset.dims
     figure = style.new_figure(style.DOUBLE, 3.0)
     x, y = dataset[across], dataset[down]
-    numbers = [dataset["amplitude"]] if "attractor" in dataset else [*dataset.data_vars.values()][:2]
-    panels = figure.subplots(1, len(numbers) + ("attractor" in dataset), sharey=True, squeeze=False)[0]
-    patches: list[Any] = []
-    if "attractor" in dataset:
-        kinds = dataset["attractor"]
-        drawing.regions(panels[0], x, y, kinds, attraction.COLOURS, shading="nearest")
-        panels[0].set_title("What the motion ends on", fontweight="normal")
-        seen = [name for value, name in flag_names(kinds).items() if (kinds == value).any()]
-        patches = drawing.patches([(attraction.COLOURS[name], None, name) for name in seen], style.BLACK)
-    for axes, values in zip(panels[-len(numbers) :], numbers, strict=True):
-        finite = values.where(np.isfinite(values))
-        mesh = axes.pcolormesh(x, y, finite, shading="nearest", cmap="viridis", rasterized=True)
-        _name(axes, values)
-        figure.colorbar(mesh, ax=axes, label=axes.get_ylabel())
-        axes.set_ylabel("")
+    panels = figure.subplots(1, 2, sharey=True)
+    kinds, values = dataset["attractor"], dataset["amplitude"]
+    drawing.regions(panels[0], x, y, kinds, attraction.COLOURS, shading="nearest")
+    panels[0].set_title("What the motion ends on", fontweight="normal")
+    seen = [name for value, name in flag_names(kinds).items() if (kinds == value).any()]
+    patches = drawing.patches([(attraction.COLOURS[name], None, name) for name in seen], style.BLACK)
+    mesh = panels[1].pcolormesh(
+        x, y, values.where(np.isfinite(values)), shading="nearest", cmap="viridis", rasterized=True
+    )
+    _name(panels[1], values)
+    figure.colorbar(mesh, ax=panels[1], label=panels[1].get_ylabel())
+    panels[1].set_ylabel("")
     for axes in panels:
         axes.set_xlabel(style.label(x))
     panels[0].set_ylabel(style.label(y))
-    return style.legend(figure, [], 4, patches) if patches else figure
+    return style.legend(figure, [], 4, patches)
 
 
 def _branch(dataset: xr.Dataset) -> style.Figure:
