@@ -34,7 +34,7 @@ _TO_ROUNDING = 1e-16
 _DISTANCES = (1e-4, 1e-6, 1e-8)  # δ from a border, in q
 _NEARER = 0.3  # most that is left of the distance from the orbit where δ falls to its hundredth; its root leaves 0.1
 _BACK = "it comes back to where it began"
-_FLAT = 1e-9  # part of q within which rounding may turn a branch
+_FLAT = 1e-10  # in q, by which rounding may turn a branch
 _NOTHING = 1e-4  # extent of a cycle, in sizes of the motion, that is about to vanish
 
 
@@ -180,7 +180,7 @@ class _Walk:
         elif (parts := _parts(shooting, turn)) > 1:
             self._change("end", turn, f"its {parts} parts become one cycle, of a period of 1/{parts} of its own")
             return False
-        elif max(abs(turn.z[-1] - here.z[-1]), abs(turn.z[-1] - there.z[-1])) > _FLAT:
+        elif (turn.z[-1] - here.z[-1]) * (turn.z[-1] - there.z[-1]) > _FLAT**2:  # beyond both, and not by rounding
             self._change("fold", turn, "two cycles meet", float(np.linalg.norm(turn.z - here.z)))
         self._add(here, there, cycle)
         back = self._comes_back(shooting, here, there)
