@@ -27,7 +27,7 @@ from lsvib.errors import EngineError, InputError
 from lsvib.numbers import Progress, bisected
 
 _FIRST = 1e-2  # step of a piece, in sizes of the motion and of the parameter
-_LONGEST = 4e-2
+_LONGEST = 2.5e-2
 _SMALLEST = 1e-7  # steps of less that fail are at a border
 _STEEP = 0.2  # part of the parameter in a tangent; where it has more no fold is near, and Newton's method keeps it
 _TO_ROUNDING = 1e-16
@@ -42,7 +42,7 @@ _NOTHING = 1e-4  # extent of a cycle, in sizes of the motion, that is about to v
 class Change:
     """Something happens at a ``value`` [SI unit] of the parameter, at a length ``along`` [1] of the branch.
 
-    ``kind`` is fold, itinerary, stability, or end; ``what`` says it in words.
+    ``kind`` is fold, itinerary, stability, or end; ``what`` says it in words, as ``along`` grows.
     """
 
     kind: str
@@ -87,12 +87,12 @@ def follow_cycle(
     (low, below), (high, above) = (_allowed(build, start, end) for end in span)
     sizes = np.abs(cycle.orbit.at(cycle.period * np.linspace(0.0, 1.0, 200))[0]).max(axis=0)
     units = Units(build, np.where(sizes == 0, 1.0, sizes), cycle.period, abs(start) or max(-low, high), (low, high))
-    down, up = (_Walk(units, (below, above), cycle, most) for _ in range(2))
-    for walk, way, before in ((down, -1.0, 0), (up, 1.0, most)):
+    down, up = (_Walk(units, (below, above), cycle, most, way) for way in (-1.0, 1.0))
+    for walk, before in ((down, 0), (up, most)):
         if any(change.what == _BACK for change in down.changes):  # all of it is known
             up.points = down.points[:1]
             continue
-        for found in walk.go(start, way):
+        for found in walk.go(start):
             if progress is not None:
                 progress(before + found, 2 * most)
     points = [replace(point, along=-point.along) for point in reversed(down.points[1:])]
@@ -118,22 +118,20 @@ def _allowed(build: Build, start: float, end: float) -> tuple[float, str]:
 
 @dataclass
 class _Walk:
-    """The branch one way from its ``first`` cycle, as far as it is known; ``ends``: what ends at those of the span."""
+    """The branch from its ``first`` cycle one ``way`` of the parameter (1 or −1); ``ends`` of the span, in words."""
 
     units: Units
     ends: tuple[str, str]
     first: Cycle
     most: int
+    way: float
     points: list[BranchPoint] = field(default_factory=list)
     changes: list[Change] = field(default_factory=list)
 
-    def go(self, start: float, way: float) -> Iterator[int]:
-        """Follow the branch to its end, from a value of the parameter, which at first falls (``way`` −1) or grows.
-
-        Yields the number of its points as they are found, and in the end that of the most.
-        """
+    def go(self, start: float) -> Iterator[int]:
+        """Follow the branch from a value to its end; yields the number of points as it grows, at last the most."""
         shooting = Shooting(self.units, self.first.orbit)
-        here = shooting.here(self.first.period, start, np.array([0.0, way]))
+        here = shooting.here(self.first.period, start, np.array([0.0, self.way]))
         if here is None:
             raise InputError("the cycle cannot be followed: its return map has no derivative.")
         self.points.append(BranchPoint(start, self.first, 0.0))
@@ -220,7 +218,7 @@ class _Walk:
         if behind is None or cycle is None:
             self._change("end", last, self._why(shooting, last, nearest), further)
             return None
-        words = _in_words(last, behind)
+        words = _in_words(last, behind) if self.way > 0 else _in_words(behind, last)
         if words:
             self._change("itinerary", last, words, further)
         if last.tangent[-1] * (behind.z[-1] - last.z[-1]) < 0:

@@ -200,6 +200,6 @@ def _branch(dataset: xr.Dataset) -> style.Figure:
         for change in changes:
             nearest = int(np.argmin(np.abs(value.values - change["value"])))
             axes.plot(change["value"], here[nearest], "o", color=style.VERMILION, markersize=3, label="change")
-        axes.set_xlabel(style.label(value))
+        axes.set_xlabel(style.label(value), labelpad=14)
         _name(axes, dataset[name])
     return style.legend(figure, panels[:1], 3)
