@@ -14,7 +14,7 @@ from lsvib.errors import InputError
 from lsvib.models.command import Command
 from lsvib.models.drive import Drive
 from lsvib.models.mechanism import standing_state
-from lsvib.models.model import model_of
+from lsvib.models.model import automaton_of, model_of
 from lsvib.models.names import Event
 
 SLOW = {
@@ -26,13 +26,13 @@ DRY = {"slide_friction": power(-0.5, 1.3), "bearing_friction": power(-3, -1.5)}
 COLLAR = {"collar_friction": uniform(0.05, 0.3), "collar_radius": power(-2.6, -1.9)}
 LAW = {"stribeck_rise": uniform(0, 0.1), "stribeck_speed": power(-2.3, -0.5), "stribeck_exponent": one_of(1, 2)}
 STATIC = {name: name.replace("friction", "static_friction") for name in ("friction_coefficient", *DRY)}
-KINDS = {event.name.lower() for event in Event} - {"graze", "accumulation", "seizure", "passage"}
+KINDS = {event.name.lower() for event in Event} - {"graze", "accumulation", "passage"}
 
 
 def random_contacts(seed: int) -> tuple[Drive, np.ndarray, Command | None]:
     """A slow drive, or one that is let go, a start and a command or none.
 
-    With static friction in the threads, the slide and the bearing, mostly above that of sliding. Without seizures.
+    With static friction in the threads, the slide and the bearing, mostly above that of sliding.
     """
     rng = np.random.default_rng([seed, 48])
     while True:
@@ -50,20 +50,13 @@ def random_contacts(seed: int) -> tuple[Drive, np.ndarray, Command | None]:
                 slow = values[name] + (values.get("stribeck_rise", 0) if "coefficient" in name else 0)
                 values[most] = slow * rng.uniform(1.05, 1.8)
         with suppress(InputError):
-            drive = without_seizure(Drive(**values))
+            drive = Drive(**values)
+            automaton_of(drive)
             start, command = start_of(drive, rng), None
             if drive.input_speed and rng.random() < 0.4:
                 speeds = drive.input_speed * rng.choice([0.0, 0.3, 1.0, 1.5, -0.5], 4)
                 command = Command(times=sorted(rng.uniform(0, 0.2, 4)), speeds=speeds.tolist())
             return drive, start, command
-
-
-def without_seizure(drive: Drive) -> Drive:
-    """The drive with less mass where rigid threads could seize, also while the slide holds."""
-    laws, heavy = Contacts(drive), "screw_mass" if drive.screw_mass else "mass"
-    inertia = 1 / (1 / drive.screw_inertia + (1 / drive.nut_inertia if drive.nut_inertia else 0.0))
-    limit = 0.8 * inertia / laws.lead / (laws.lever(1, laws.mu(0.0)) + laws.collar)
-    return drive if "threads" in drive.parts else drive.replace(**{heavy: min(getattr(drive, heavy), limit)})
 
 
 def start_of(drive: Drive, rng) -> np.ndarray:
@@ -84,7 +77,7 @@ def start_of(drive: Drive, rng) -> np.ndarray:
     return start
 
 
-@pytest.mark.parametrize("seeds", sizes([range(10)], [range(10, 50)], [range(50, 300)]), ids=len)
+@pytest.mark.parametrize("seeds", sizes([[*range(10), 29]], [range(10, 50)], [range(50, 300)]), ids=len)
 def test_modes_and_events_are_those_that_newtons_laws_allow(seeds):
     """Of drives with static friction in threads, guide and bearing, with any parts, commands and laws."""
     kinds, parts = [], set()

@@ -8,7 +8,6 @@ judged by their first rate that is not.
 
 import copy
 from collections.abc import Iterator
-from functools import partial
 from itertools import pairwise, product
 from typing import NamedTuple
 
@@ -79,12 +78,36 @@ class Contacts(Bodies):
 
     def after(self, time: float, state: np.ndarray, mode: dict, contact: str, way: int) -> tuple[str, dict, np.ndarray]:
         """What happens where a margin is gone, mode and state after it; ``way``: that in which a contact lets go."""
+        if contact == "jam" or (contact == "contact" and mode["contact"] != mode["slip"] and self.inertia(state) <= 0):
+            return "seizure", *self.seized(time, state, mode)
         if contact == "contact":
             return "contact_reversal", mode | {"contact": -mode["contact"]}, state
         still = [name for name in self.dry if mode[name] == 0 or name == contact]
         mode, state = self.choose(time, state, mode, still, {contact: way} if way else {})
         kind = "release" if way else "reversal" if mode[contact] else "stick"
         return kind if contact == "slip" else f"{contact}_{kind}", mode, state
+
+    def inertia(self, state: np.ndarray) -> float:
+        """Inertia under law + of rigid threads that slip, over that without friction; below 0 law + does not hold."""
+        if "e" in self.place:
+            return 1.0
+        found = [np.linalg.det(self.system(state, {"slip": 1, "contact": law})[1]) for law in (1, 0)]
+        return found[0] / found[1]
+
+    def seized(self, time: float, state: np.ndarray, mode: dict) -> tuple[dict, np.ndarray]:
+        """Mode and state after an impact that stops the slip; it leaves a force of its sign, with which law − slips."""
+        names, matrix, sides = self.system(state, mode | {"slip": 0, "contact": 0})
+        jumps = np.zeros(len(sides))
+        jumps[len(self.q) + 2] = -self.speeds(state)[0]
+        jumps, state = np.linalg.solve(matrix, jumps), state.copy()
+        for name, k in self.place.items():
+            state[k + 1] += jumps[names.index(name)]
+        way = mode["slip"]
+        state, turned = self.settled(state, ["slip"]), mode | {"slip": -way} | dict.fromkeys(self.frictions, -way)
+        signs = Arc(self, time, state, turned | {"contact": way}).signs(["slip"])
+        if min(signs.values()) > 0:
+            return turned | {"contact": way}, state
+        return self.choose(time, state, mode, ["slip"], {})
 
     def choose(self, time: float, state, before: dict, still: list, forced: dict) -> tuple[dict, np.ndarray]:
         """The mode that goes on, and the state with what is still at no speed.
@@ -116,7 +139,8 @@ class Contacts(Bodies):
 
     def begun(self, time: float, state, mode: dict, still: list) -> tuple["Arc", bool, dict]:
         """The arc of a mode, whether all holds now and just after, and what cannot be held, by the way it goes."""
-        for side in (1, -1) if mode["slip"] or self.free("slide") else (0,):
+        both = (1, -1) if mode["slip"] or self.free("slide") else (0,)
+        for side in (-mode["slip"],) if mode["slip"] and self.inertia(state) <= 0 else both:
             arc = Arc(self, time, state, dict.fromkeys(self.frictions, mode["slip"]) | mode | {"contact": side})
             signs = arc.signs(still)
             if signs.pop(("contact", 0, "force"), 0) >= 0:
@@ -156,6 +180,13 @@ class Arc:
         self.matrix, (self.scale, _) = matrix_balance(matrix, permute=False, separate=True)
         self.rows *= self.scale
         self.rates = np.linalg.eigvals(self.matrix)
+        self.jammed = None  # time and state at which a law of friction comes to the Painlevé region
+
+        def jams(_, state) -> float:
+            return laws.inertia(state) - 1e-7
+
+        jams.terminal = True
+        self.jams = jams
 
     def place(self, time: float, state: np.ndarray) -> np.ndarray:
         """State and time as the matrix takes them."""
@@ -176,10 +207,19 @@ class Arc:
     def through(self, time: float, state: np.ndarray, times: np.ndarray) -> np.ndarray:
         """States at times from one before them."""
         if self.law:
-            rate, least = partial(self.laws.rate, mode=self.mode), 1e-16 * self.laws.sizes
-            return solve_ivp(rate, (time, times[-1]), state, "DOP853", times, rtol=3e-14, atol=least).y.T
+            least, self.asked = 1e-16 * self.laws.sizes, 0
+            span, jams = (time, times[-1]), self.jams if self.mode["contact"] == self.mode["slip"] else None
+            found = solve_ivp(self.rate, span, state, "DOP853", times, events=jams, rtol=3e-14, atol=least)
+            if found.status == 1:
+                self.jammed = found.t_events[0][0], found.y_events[0][0]
+            return np.reshape(found.y, (len(state), -1)).T
         flows = expm(self.matrix * (times - time)[:, None, None])
         return (flows @ self.place(time, state))[:, :-2] * self.scale[:-2]
+
+    def rate(self, time: float, state: np.ndarray) -> np.ndarray:
+        self.asked += 1
+        assert self.asked < 5_000, "where law + of rigid threads hardly holds, they are too stiff for this"
+        return self.laws.rate(time, state, self.mode)
 
     def values(self, times: np.ndarray, states: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Margins at samples (times, margins), and what rounding makes of zero there."""
@@ -201,6 +241,7 @@ class Arc:
             step = 0.1 / max(np.abs(lasting).max(), 1.0 / (end - self.begin))
             more = np.unique(np.minimum(times[-1] + step * ahead, end))
             states = np.vstack([states[-2:], self.through(times[-1], states[-1], more)])
+            more = more[: len(states) - len(times[-2:])]
             times, ahead, gone = np.append(times[-2:], more), np.arange(1, 65), []
             for k, (value, floor) in enumerate(zip(*(x.T for x in self.values(times, states)), strict=True)):
                 seen = armed[k] | np.logical_or.accumulate(value > floor)
@@ -210,6 +251,8 @@ class Arc:
             if gone:
                 time, k, state = min(gone, key=lambda one: one[0])
                 return time, state, self.margins[k][:2]
+            if self.jammed:
+                return *self.jammed, ("jam", 0)
         return end, states[-1], None
 
     def gone(self, k: int, times, states, value, floor, seen) -> Iterator[tuple[float, int, np.ndarray]]:
