@@ -285,14 +285,8 @@ def agreeing(seeds):
     return compared, moving
 
 
-def test_cycles_of_random_drives():
-    compared, moving = agreeing(range(10))
-    assert compared >= 4
-    assert moving >= 2
-
-
-@pytest.mark.parametrize("seeds", sizes([], [range(10, 30)], [range(30, 90)]), ids=len)
-def test_cycles_of_many_random_drives(seeds):
+@pytest.mark.parametrize("seeds", sizes([range(10)], [range(10, 30)], [range(30, 90)]), ids=len)
+def test_cycles_of_random_drives(seeds):
     compared, moving = agreeing(seeds)
     assert compared >= 0.28 * len(seeds)
     assert moving >= 0.05 * len(seeds)

@@ -89,13 +89,6 @@ def test_multiplier_of_slip_is_that_of_liouville(drive):
     assert abs(cycle.multipliers[0].real - expected) <= 2 * cycle.multiplier_error
 
 
-def test_rest_makes_a_cycle_superstable():
-    (cycle,) = SLIP.replace(axial_force=40).cycles().cycles
-    assert cycle.label == Attractor.STICK_SLIP_CYCLE
-    assert cycle.multipliers.tolist() == [0]
-    assert "release" in [kind for kind, _ in cycle.itinerary]
-
-
 FOUND = [
     (NEAR_FOLD, {"u": -0.1, "w": -40.0}),
     (SLIP, {"u": 0.01, "w": 0.0}),
@@ -317,20 +310,6 @@ def test_the_cycle_on_the_edge_parts_the_basins(drive):
     ends = [steady_state(drive.automaton(), state, mode=mode) for state in across(repelling)]
     assert {end.label for end in ends} == {Attractor.STEADY_SLIDING, attracting.label}
     assert abs(repelling.work.balance) < 1e-10
-
-
-@pytest.mark.slow
-def test_a_branch_of_four_states_turns_at_a_fold():
-    """The attracting cycle of a drive with four states is followed through the fold to cycles that repel."""
-    attracting = FOLDING.cycles().cycles[0]
-    branch = FOLDING.follow(attracting, "axial_force", (-18.5, -18.3699), points=5)
-    (fold,) = branch.folds
-    assert fold == pytest.approx(-18.371145255, abs=1e-9)
-    points = branch.points
-    assert {point.cycle.attracting for point in points} == {True, False}
-    assert all(point.cycle.attracting != point.cycle.repelling for point in points)
-    assert all(point.cycle.residual < 1e-12 for point in points)
-    assert all(point.value > fold for point in points)
 
 
 @pytest.mark.parametrize("damping", sizes([2e-3], [5e-3]))

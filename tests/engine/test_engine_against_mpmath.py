@@ -45,6 +45,8 @@ def compare_random_motions(examples: int) -> tuple[list[str], dict[bool, set[str
     rng = np.random.default_rng(20261121)
     for _ in range(examples):
         drive, start, rule = random_drive(rng), random_start(rng), RULES[rng.integers(len(RULES))]
+        if rng.random() < 0.3:
+            drive = drive.replace(static_friction_coefficient=drive.friction_coefficient * rng.uniform(1.1, 2.0))
         result = compare(drive, start, rng.uniform(2e-3, 0.08), rule, max_events=150)
         motion = result.motion
         seen = visited[result.reference.drive.painleve]

@@ -18,7 +18,6 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from mpmath import mp, mpf
-from references.oscillator import flow, number
 
 from lsvib.engine.automaton import Branch, Guard, Mode, Surface, Transition, assemble
 from lsvib.engine.exact.modal_form import oscillator
@@ -30,6 +29,19 @@ from lsvib.errors import AccumulationError
 
 EPS = float(np.finfo(float).eps)
 STARTS = [(1.0, 0.0), (0.0, 1.0), (1.0, -2.0), (-0.3, 5.0), (1e-3, 1e-3), (0.0, 0.0)]
+
+
+def number(x):
+    """An int, float, string or Decimal as an mpmath number, exactly."""
+    return mpf(x) if isinstance(x, (int, float)) else mpf(str(x))
+
+
+def flow(inertia, damping, stiffness, force, u, w, t):
+    """Return (u, w) at time t of  inertia·u″ + damping·u′ + stiffness·u = force, by the exponential of its matrix."""
+    with mp.workdps(60):
+        inertia, damping, stiffness, force, u, w, t = map(number, (inertia, damping, stiffness, force, u, w, t))
+        rows = [[0, 1, 0], [-stiffness / inertia, -damping / inertia, force / inertia], [0, 0, 0]]
+        return tuple(mp.expm(mp.matrix(rows) * t) * mp.matrix([u, w, 1]))[:2]
 
 
 def roots(first, second, force="0"):

@@ -93,20 +93,6 @@ def test_motion_against_40_digits(name):
     assert error <= (1e-9 if model == "threads" else 1e-10)
 
 
-@pytest.mark.parametrize("name", ["stick-slip, support, with frictions", "seizures, nut, R < 0", "soft, light damping"])
-def test_mirror_symmetry_is_exact(name):
-    """(state, R, Ω) → −(state, R, Ω): the same bits with the other sign."""
-    model, parameters, start, duration = SCENES[name]
-    drive, automaton, _ = build(model, parameters)
-    motion = follow(automaton, start, duration)
-    opposite = {name: -getattr(drive, name) for name in ("axial_force", "input_speed")}
-    image = follow(build(model, parameters | opposite)[1], -np.array(start), duration)
-    for name in ("time", "kind"):
-        np.testing.assert_array_equal(getattr(image, name), getattr(motion, name))
-    for name in ("sign", "before", "after", "end_state"):
-        np.testing.assert_array_equal(getattr(image, name), -getattr(motion, name))
-
-
 FIG_8_14 = {"mass": 11.0, "support_damping": 1e-3}
 
 

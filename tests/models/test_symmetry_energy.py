@@ -1,4 +1,4 @@
-"""Mirror symmetry and energy of random motions of the rigid drive.
+"""Mirror symmetry of random motions, and energy of those of the rigid drive.
 
 The energy that a motion takes up and gives off is that of :mod:`benchmarks.sweeps.energy_balance`. It balances to 1e-11
 of the largest energy or work in it: N is a quotient by Γ_s, whose rounding is amplified by I/Γ_s, up to 1e3 here. The
@@ -6,17 +6,22 @@ errors seen stay below 1e-13.
 """
 
 import math
+from contextlib import suppress
+from itertools import chain
 
 import numpy as np
 import pytest
+from models import test_parts
 from references.comparisons import RULES
 from references.drives import random_drive, random_start
 
 from benchmarks.sweeps.energy_balance import balance
 from lsvib.dynamics.impulses import seizure_impulse
 from lsvib.engine.motion import follow
+from lsvib.errors import EngineError, InputError
+from lsvib.models.model import automaton_of, model_of
 from lsvib.models.names import Event
-from lsvib.models.rigid import MotionMode, rigid_automaton
+from lsvib.models.rigid import rigid_automaton
 
 
 def motions(count):
@@ -28,17 +33,26 @@ def motions(count):
         yield drive, rule, follow(rigid_automaton(drive, resume=rule), *start, max_events=200), start
 
 
+def motions_with_parts(seeds):
+    """The same of drives with parts and laws, but for those that are refused."""
+    for drive, start in map(test_parts.random_drive, seeds):
+        with suppress(InputError, EngineError):
+            yield drive, "contact_sign", follow(automaton_of(drive), start, 0.05, max_events=200), (start, 0.05)
+
+
 def test_mirror_symmetry_is_exact():
-    """(u, w, R, Ω) → −(u, w, R, Ω): the same bits with the other sign, for every operation is odd or even."""
+    """(state, R, Ω) → −(state, R, Ω): the same bits with the other sign, for every operation is odd or even."""
     opposite = {"FORWARD": "BACKWARD", "BACKWARD": "FORWARD", "POSITIVE": "NEGATIVE", "NEGATIVE": "POSITIVE"}
-    for drive, rule, motion, (start, duration) in motions(300):
+    for drive, rule, motion, (start, duration) in chain(motions(300), motions_with_parts(range(40))):
         mirrored = drive.replace(axial_force=-drive.axial_force, input_speed=-drive.input_speed)
-        image = follow(rigid_automaton(mirrored, resume=rule), -np.array(start), duration, max_events=200)
+        automaton = automaton_of(mirrored) if drive.parts else rigid_automaton(mirrored, resume=rule)
+        image = follow(automaton, -np.array(start), duration, max_events=200)
         for name in ("time", "kind"):
             np.testing.assert_array_equal(getattr(image, name), getattr(motion, name))
         for name in ("sign", "before", "after", "end_state"):
             np.testing.assert_array_equal(getattr(image, name), -getattr(motion, name))
-        names = [[MotionMode(int(m.automaton.codes[i])).name for i in m.mode] for m in (motion, image)]
+        modes = model_of(drive).modes
+        names = [[modes(int(m.automaton.codes[i])).name for i in m.mode] for m in (motion, image)]
         assert names[1] == ["_".join(opposite.get(word, word) for word in name.split("_")) for name in names[0]]
 
 

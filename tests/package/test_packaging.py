@@ -191,7 +191,7 @@ def test_a_dataset_is_built_without_matplotlib():
 
 REFERENCES = Path(__file__).parents[1] / "references"
 JUDGES = ("bodies", "contacts", "exponential_sums", "four_states_digits", "friction_law_digits", "newton",
-          "oscillator", "rigid_digits", "threshold_digits")  # fmt: skip
+          "rigid_digits", "threshold_digits")  # fmt: skip
 KNOWN = {"flint", "mpmath", "numpy", "scipy.integrate", "scipy.linalg", "scipy.optimize"}
 STANDARD = {"collections", "copy", "dataclasses", "functools", "itertools", "math", "operator", "re", "typing"}
 
