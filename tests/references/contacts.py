@@ -66,6 +66,8 @@ class Contacts(Bodies):
                 slip, travel = self.speeds(state)  # what has none may rest or move
                 ways = {"slip": sign(slip), "bearing": sign(state[1]), "slide": sign(travel)}
                 first, state = self.choose(0.0, state, ways, [name for name in self.dry if not ways[name]], {})
+                if first["slip"] and Arc(self, 0.0, state, first).signs([]).get(("contact", 0, "force"), 1) < 0:
+                    first, state = self.seized(0.0, state, first)
                 mode = first
             elif time < duration:
                 found.append(Happening(time, "command", state, mode))
