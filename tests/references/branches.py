@@ -165,7 +165,7 @@ class Judge:
         own = middle(point.cycle)
         _, (*events, end) = Contacts(point.cycle.drive).follow(own.state, own.period, 400)
         gap = (np.abs(end.state - own.state) / sizes(point)).max()
-        most = 1e-4 if "contact_reversal" in dict(point.cycle.itinerary) else 1e-9
+        most = 1e-4 if "contact_reversal" in dict(point.cycle.itinerary) else 1e-8
         if not gap <= most * max(1.0, point.cycle.leading) or happened(events) != own.events:
             self.fault("no such motion at", point.value, gap, happened(events) - own.events)
 
