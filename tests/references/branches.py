@@ -212,7 +212,7 @@ class Judge:
             > 0.1 * max(abs(math.log(p.cycle.period / own.period)) for p, own in zip(pair, found, strict=True)) + 1e-7
         ):
             self.fault("the branch jumps at the border", value, *(one.period for one in found))
-        before, after = (one.events for one in (found if change.along > 0 else found[::-1]))  # from the start outwards
+        before, after = (one.events for one in found)
         for words in re.split(" and (?=gains)", change.what):
             verb, _, told = words.partition(" ")
             events = [event.replace(" ", "_").split("_into_") for event in told.split(", ")]

@@ -321,7 +321,7 @@ def _other(shooting: Shooting, last: Solved) -> tuple[Solved | None, Solved | No
             for there in _near(shooting, last, q, distance) if shooting.units.holds(q) else ():
                 away = after[there.itinerary] = float(np.linalg.norm(there.z - last.z))
                 if away <= _NEARER * before.get(there.itinerary, 0.0):
-                    found = shooting.directed(there, there.z - last.z)
+                    found = shooting.directed(there, np.array([0.0, sign]))  # away from the border
                     if found is not None:
                         return found, None
                 if away < least:

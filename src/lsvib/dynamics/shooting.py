@@ -32,7 +32,7 @@ from lsvib.models.names import Event
 _MOST_WORK = 100_000  # of a period, in events: a second under a friction law
 _ROUNDED = 1e-12  # change of a state over a period that is rounding, relative to the growth of neighbours
 _CLOSED = 1e-14  # the same, where it is as small as it may be
-_STEEP = 1e3  # rate at the end of an arc, relative to the mean, beyond which it grows without bound
+_STEEP = 1e3  # rate at the end of an arc, relative to its middle, beyond which it grows without bound
 _DIFFERENCE = 1e-9  # step in q of the derivative by the parameter
 
 Build = Callable[[float], tuple[Drive, Automaton]]
@@ -243,7 +243,8 @@ def variations(motion: Motion, beside: Automaton, step: float) -> np.ndarray:
     total, late = np.eye(n, n + 1), np.zeros(n + 1)  # changes of the state, and of the time of the last event
     for k, (mode, start, end, duration) in enumerate(zip(*motion.arcs(), strict=True)):
         rate, happens = rate_of(automaton, mode, end), k < motion.time.size and motion.kind[k] != GRAZE_KIND
-        if happens and np.abs(rate).max() * duration > _STEEP * np.abs(end - start).max():
+        (middle,), _ = _arc(automaton, mode, start, math.inf).at([0.5 * duration])
+        if happens and np.abs(rate).max() > _STEEP * np.abs(rate_of(automaton, mode, middle)).max():
             event = int(motion.kind[k]), int(motion.mode[k])
             slopes, jump = _by_differences((automaton, beside), (mode, start, 2.0 * duration), event)
             total, lag = slopes[:-1] @ total, slopes[-1] @ total
