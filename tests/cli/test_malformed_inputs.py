@@ -167,6 +167,8 @@ REFUSED_BASINS = [
 REFUSED_THRESHOLDS = [
     (LIGHT, ("stick", 3), "unknown = 3 is not a parameter"),
     (LIGHT, ("kinematic_constraint", "axial_force"), "the threshold kinematic_constraint of this drive does not"),
+    (LIGHT.replace(friction_coefficient=0.05), ("kinematic_constraint",), "no mass in the allowed range"),
+    (support_drive(mass=1e-6), ("kinematic_constraint", "friction_coefficient"), "no friction_coefficient in the"),
     (LIGHT, ("kinematic_constraint", "lead_angle"), "no lead_angle in the allowed range 1e-06 <= lead_angle < 1.5708"),
     (LIGHT, ("flutter",), "threshold = 'flutter' is not one of those of this drive"),
     (RUBS, ("flutter",), "threshold = 'flutter' is not one of those of this drive: even_speed, onset, kinematic_const"),

@@ -1,8 +1,8 @@
-"""Thresholds solved for any parameter: 12 digits, derivatives, and motions on both sides, of random drives.
+"""Thresholds solved for any parameter: 13 digits, derivatives, and motions on both sides, of random drives.
 
 Reference values and derivatives, by differences, have 40 digits (``references/threshold_digits.py``). Two kinds of
 cycles end at the force of global stability (docs/basin.md), one with rest and one without, where the map of seizures
-has the slope 1; 1e-13 is asked of it, as a smooth maximum is known to rounding.
+has the slope 1.
 
 A statement on one side of a threshold of the axial force is judged by the events of motions that the engine follows:
 
@@ -39,7 +39,7 @@ from lsvib.stability.threshold import _start, solve_threshold
 
 DRIVES = 8  # of each threshold
 SLOPES = 2  # of these whose derivatives are compared
-VALUE, SLOPE = mpf("1e-12"), mpf("1e-9")
+VALUE, SLOPE = mpf("1e-13"), mpf("1e-9")
 _STEP = mpf(10) ** -14  # of a central difference, relative: its square is far below SLOPE, 40 digits far below it
 
 
@@ -128,7 +128,7 @@ def compared(drive, solved, solution, truth, rng, slopes):
         ("negative_damping", "pitch_radius"),
     ],
 )
-def test_twelve_digits_and_derivatives(name, unknown):
+def test_thirteen_digits_and_derivatives(name, unknown):
     for rng, drive, found, slopes in accepted(name, unknown, DRIVES):
         for solution in found.solutions:
             judged(name, drive, found, solution, rng, slopes)
@@ -156,7 +156,7 @@ def two_bodies(model: str):
         ("nut", "flutter", "translation_damping"),
     ],
 )
-def test_twelve_digits_of_drives_with_two_bodies(model, name, unknown):
+def test_thirteen_digits_of_drives_with_two_bodies(model, name, unknown):
     """A growth rate passes zero, or the contact force has no bound, by the state matrix of Newton's laws."""
     for rng, drive, found, slopes in accepted(name, unknown, DRIVES, two_bodies(model)):
         for solution in found.solutions:
@@ -179,20 +179,6 @@ def exact_force(cycle: str, drive: Drive, time: float, guess: float):
     """Axial force [N] at which a cycle ends, with 40 digits; ``time`` [s]: about how long its slip lasts."""
     with mp.workdps(WORK):
         return root(lambda force: gap(cycle, {**dict(drive), "axial_force": force}, (time,)), guess)
-
-
-@pytest.mark.parametrize(("changes", "cycle", "time", "about"), [
-    ({}, "global_stability", 0.016, -33.0),
-    ({"support_damping": 1.4e-3}, "fold", 0.01596, -25.3),
-    ({"support_damping": 2e-3}, "fold", 0.01457, -18.4),
-    ({"support_damping": 1e-2}, "fold", 0.00718, -3.2),
-    ({"support_damping": 2e-3, "translation_damping": 200.0}, "fold", 0.01454, -12.0),
-    ({"support_damping": 2e-3, "mass": 20.0, "input_speed": 13.0}, "fold", 0.01971, -11.0),
-])  # fmt: skip
-def test_force_against_forty_digits(changes, cycle, time, about):
-    """Of the cycle with rest the slip from the end of rest, which begins at u = c Ω / k; the others do not rest."""
-    drive = PARADOX.replace(**changes)
-    assert abs(threshold_force(drive, "global_stability") / exact_force(cycle, drive, time, about) - 1) < mpf("1e-13")
 
 
 @pytest.mark.parametrize("speed", [40.0, -40.0])

@@ -13,9 +13,8 @@ from functools import partial
 
 import pytest
 from mpmath import mp, mpf
-from references.comparisons import compare
-from references.drives import NEGATIVE_DAMPING, PARADOX, nut_drive, support_drive, threads_drive
-from references.rigid_digits import GUARD_DIGITS, RigidTrueDrive, RigidTrueFlow
+from references.drives import NEGATIVE_DAMPING, nut_drive, support_drive, threads_drive
+from references.rigid_digits import GUARD_DIGITS, RigidTrueDrive
 from references.sizes import sizes
 from references.threshold_digits import gap, jam, root
 
@@ -27,8 +26,6 @@ from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
 from lsvib.models.mechanism import seated_state
 from lsvib.models.model import automaton_of
-from lsvib.models.names import Event
-from lsvib.models.rigid import MotionMode, rigid_automaton
 from lsvib.stability.force_thresholds import threshold_force
 from lsvib.stability.threshold import solve_threshold
 
@@ -114,54 +111,6 @@ def test_peak_of_the_contact_force(force):
     assert orbit_extremes(cycle.orbit, automaton.observables["normal_force"])[1] == pytest.approx(PEAK_FORCE, rel=0.02)
 
 
-def test_effective_inertia_changes_sign_at_the_critical_mass():
-    mass = Drive().threshold("kinematic_constraint").value
-    assert exact(Drive.of(mass=mass * (1 - 1e-15))).Gamma(1) > 0 > exact(Drive.of(mass=mass * (1 + 1e-15))).Gamma(1)
-    light = support_drive(mass=1e-6)
-    for drive, unknown in ((Drive(friction_coefficient=0.05), "mass"), (light, "friction_coefficient")):
-        with pytest.raises(lsvib.NoThreshold):  # not self-locking; too light
-            drive.threshold("kinematic_constraint", unknown)
-
-
-@pytest.mark.parametrize("speed", [40.0, -40.0])
-def test_the_thresholds_separate_what_they_say(speed):
-    """Just below and just above each force of Fig. 8.6 the attractor has, and has not, the property."""
-    drive = NEGATIVE_DAMPING.replace(input_speed=speed)
-    onset, stick, detach = (threshold_force(drive, name) for name in ("onset", "stick", "detach"))
-    assert [math.copysign(x, speed) == x for x in (onset, stick, detach)] == [True] * 3
-
-    def attractor(force):
-        # A start in proportion to R̃, as the cycle is.
-        return steady_state(rigid_automaton(drive.replace(axial_force=force)), (3e-3 * (force - onset), 0.0))
-
-    assert attractor(onset * (1 - 1e-6)).label == Attractor.STEADY_SLIDING
-    assert attractor(onset * (1 + 1e-6)).label == Attractor.OTHER_CYCLE
-    assert attractor(stick * (1 - 1e-9)).label == Attractor.OTHER_CYCLE
-    assert attractor(stick * (1 + 1e-9)).label == Attractor.STICK_SLIP_CYCLE
-    # 1e-9 beyond the touch of Q = 0 the contact reverses for 1e-4.5 of a radian: below it is gone.
-    assert Event.CONTACT_REVERSAL in attractor(detach * (1 - 1e-9)).orbit.kind
-    assert Event.CONTACT_REVERSAL not in attractor(detach * (1 + 1e-9)).orbit.kind
-
-
-def test_dip_of_microseconds_against_mpmath():
-    """1e-8 short of the threshold slip would stay beyond Q = 0 for 1.0 µs only: every seizure is found."""
-    drive = PARADOX.replace(axial_force=threshold_force(PARADOX, "global_stability") * (1 - 1e-8))
-    d = exact(drive)
-    flow = RigidTrueFlow(d, -1, d.c * d.Omega / d.k, -d.Omega)
-    q = d.Q_terms(mpf(1), mpf(1))
-    first = flow.first_root(q, -1, False, mpf(1), DIGITS)
-    beyond = RigidTrueFlow(d, -1, *flow.state(first)).first_root(q, 1, True, mpf(1), DIGITS)
-    assert 1e-7 < float(beyond) < 2e-6
-    result = compare(drive, (0.1, 0.0), 0.2)
-    assert result.kinds == result.reference_kinds
-    assert result.kinds.count("seizure") >= 10
-    # Q falls through zero with 1e-4 of its usual slope, so that the rounding of the coefficients alone, eps, moves each
-    # of the 12 seizures by 1e4 eps of a period: 3e-11 of the motion in all (2.2e-11 was seen; 1e-6 short
-    # of the threshold it is 1e-12, 1e-4 short 5e-15).
-    assert result.time_error <= 1e-12
-    assert result.state_error <= 5e-11
-
-
 RESISTED = lsvib.Drive(mass=11, support_damping=2e-3, axial_force=-18)
 
 
@@ -203,20 +152,6 @@ def test_both_sides_of_the_fold_and_the_birth_of_the_repelling_cycle():
     kinds = [basin(RESISTED.replace(axial_force=force)).boundary for force in forces]
     assert kinds[:3] == [Boundary.NONE, Boundary.CYCLE, Boundary.CYCLE]
     assert kinds[3] in (Boundary.TOUCHING_SLIP, Boundary.TOUCHING_MOTION)
-
-
-def test_both_sides_of_the_loss_of_rest():
-    """R = 100 N, m = 15 kg: with a little less damping the sprag–slip cycle rests, with a little more it does not."""
-    drive = lsvib.Drive(mass=15, axial_force=100, support_damping=2e-4)
-    (cycle,) = drive.cycles().cycles
-    (_, lost, _) = drive.follow(cycle, "support_damping", (1e-4, 4e-4)).changes
-    assert lost.value == pytest.approx(2.5264368463058756e-4, rel=1e-12)  # by a closed form
-    rests = []
-    for factor in (1 - 1e-3, 1 + 1e-3):
-        found = drive.replace(support_damping=factor * lost.value).steady_state({"u": 0.0, "w": -40.0})
-        assert found.label == lsvib.Attractor.SPRAG_SLIP_CYCLE
-        rests.append(MotionMode.REST in found.orbit.automaton.codes[found.orbit.arcs()[0]])
-    assert rests == [True, False]
 
 
 TOUCHING = nut_drive(
