@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 import pytest
-from references import newton
 from references.random_sheets import LAW, sheet
+from stability.test_friction_law import random_drive
 
 from lsvib.assess.assessment import assess
 from lsvib.assess.margins import margins, sensitivities
@@ -13,6 +13,7 @@ from lsvib.assess.mechanisms import NAMES
 from lsvib.assess.operation import Draw
 from lsvib.assess.sheet import Sheet
 from lsvib.dynamics.attractor import Attractor, steady_state
+from lsvib.models import friction
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients, damping_by_slope
 from lsvib.models.mechanism import standing_state
@@ -20,7 +21,6 @@ from lsvib.models.rigid import rigid_automaton
 from lsvib.stability.boundaries import stable_set
 from lsvib.stability.conditions import stability
 from lsvib.stability.force_thresholds import threshold_force
-from lsvib.stability.spectrum import eigenvalue_pair
 
 DAMPED = {"rotational": "2e-4 N*m*s/rad", "translational": "1000 N*s/m"}
 
@@ -218,30 +218,16 @@ def test_derivatives_are_those_of_the_closed_forms():
                 assert row[quantity] == pytest.approx(difference, rel=1e-4, abs=1e-7), (name, quantity)
 
 
-def test_slope_damping_against_eigenvalues_with_forty_digits():
-    """Newton's laws with μ(v), linearised by differences in 80 digits, against Γ_0, C_0 + S and k."""
+def test_slope_damping_is_that_of_newtons_laws():
+    """Γ_0 s² + (C_0 + S) s + k is the polynomial of the report, which they hold in test_friction_law.py."""
     rng = np.random.default_rng(5)
-    for _ in range(25):
-        drive = Drive(
-            pitch_radius=rng.uniform(2e-3, 3e-2), lead_angle=rng.uniform(0.02, 0.5),
-            screw_inertia=10 ** rng.uniform(-7, -3),
-            coupling_stiffness=10 ** rng.uniform(-1, 3), support_damping=10 ** rng.uniform(-5, -1),
-            friction_coefficient=rng.uniform(0.02, 0.6), input_speed=rng.choice((-1, 1)) * rng.uniform(1, 100),
-            mass=rng.uniform(0.1, 50), translation_damping=10 ** rng.uniform(-1, 3),
-            axial_force=rng.choice((-1, 1)) * rng.uniform(1, 500),
-        )  # fmt: skip
-        slope = rng.choice((-1, 1)) * 10 ** rng.uniform(-2, 1)
-        c = coefficients(drive)
-        law, carried = c.steady_law, abs(float(c.net_force))
-        lead = math.cos(drive.lead_angle), math.tan(drive.lead_angle)
-        more = damping_by_slope(slope, carried, drive.friction_coefficient, drive.pitch_radius, *lead, law)
-        found = eigenvalue_pair(float(c.gamma[law]), float(c.damping[law]) + more, drive.coupling_stiffness)
-        reached = drive.pitch_radius * abs(drive.input_speed) / math.cos(drive.lead_angle)
-        own = {"friction_slope": slope, "friction_coefficient": drive.friction_coefficient - slope * reached}
-        expected = [complex(z) for z in newton.eigenvalues_by_differences("rigid", {**dict(drive), **own}.items())]
-        size = max(abs(z) for z in expected)
-        for a, b in zip(sorted(found, key=lambda z: (z.real, z.imag)), expected, strict=True):
-            assert abs(a - b) < 1e-9 * size
+    for drive in (random_drive("rigid", rng) for _ in range(25)):
+        c, (first, second, _) = coefficients(drive), stability(drive).characteristic_polynomial
+        lead, size = (math.cos(drive.lead_angle), math.tan(drive.lead_angle)), abs(float(c.net_force))
+        mu, slope = friction.unbounded(drive, drive.pitch_radius * abs(drive.input_speed) / lead[0])
+        more = damping_by_slope(slope, size, mu, drive.pitch_radius, *lead, c.steady_law)
+        damping, inertia = float(c.damping[c.steady_law]) + more, float(c.gamma[c.steady_law])
+        assert damping / inertia == pytest.approx(second / first, rel=1e-9)
 
 
 def test_friction_that_falls_with_speed_sets_in_where_its_damping_is_spent():

@@ -13,7 +13,6 @@ from references.drives import DRIVES, nut_drive, support_drive, threads_drive
 from references.newton import eigenvalues, state_matrix
 
 from lsvib.engine.exact.arithmetic import many_digits
-from lsvib.errors import InputError
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
 from lsvib.stability import conditions, spectrum
@@ -49,8 +48,8 @@ OWN = {
 
 @pytest.mark.parametrize("law", [1, -1])
 @pytest.mark.parametrize("model", MODELS)
-def test_matrices_eigenvalues_and_polynomial_follow_from_newtons_laws(model, law):
-    """The polynomial is held against them in test_stability_everywhere.py; here in balls and floats."""
+def test_matrices_and_eigenvalues_follow_from_newtons_laws(model, law):
+    """In doubles; those of balls are held in test_stability_everywhere.py, polynomials in test_friction_law.py."""
     drive = DRIVES[model].of(mass=7.0, **DAMPED, **OWN[model])
     with mpmath.workdps(60):
         expected = np.array(state_matrix(model, drive, law), dtype=float)
@@ -59,8 +58,6 @@ def test_matrices_eigenvalues_and_polynomial_follow_from_newtons_laws(model, law
     values = spectrum.eigenvalues(dict(drive), law)
     assert (np.diff(values.real) >= 0).all()
     assert (np.abs(values / roots[:, None] - 1).min(axis=1) < 1e-11).all()
-    exact, floats = ([float(p) for p in spectrum.polynomial(own, law)] for own in (drive.exact(), drive))
-    np.testing.assert_allclose(floats, exact, rtol=1e-12)
 
 
 @pytest.mark.parametrize("model", MODELS)
@@ -75,16 +72,6 @@ def test_grids_give_what_single_drives_give(model):
         assert damped_class(grid, 1)[i, j] == damped_class(one, 1)
         assert spectrum.undamped_class(grid, 1)[i, j] == spectrum.undamped_class(one, 1)
         assert growth_rate(grid, 1)[i, j] == growth_rate(one, 1)
-
-
-def test_steady_law_counts_the_friction_of_the_slide():
-    drive = support_drive(axial_force=10.0)
-    assert spectrum.steady_law(drive) == 1
-    assert spectrum.steady_law(drive.replace(slide_friction=11.0)) == -1
-    assert spectrum.steady_law(drive.replace(slide_friction=11.0, input_speed=-40.0)) == -1
-    assert spectrum.steady_law(drive.replace(axial_force=-10.0)) == -1
-    with pytest.raises(InputError, match="the contact carries no force"):
-        spectrum.steady_law(drive.replace(slide_friction=10.0))
 
 
 def test_summary_states_the_conditions():

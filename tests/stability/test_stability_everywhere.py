@@ -144,29 +144,12 @@ def test_table_of_the_least_contact_damping(stiffness, printed):
         assert [is_stable("threads", end, 1) for end in ends] == [False, True]
 
 
-def test_class_conditions_and_quantities_of_the_soft_contact_agree():
-    """m = 9 kg, k_c = 1e8, c_c = 5e4: flutter, though c_c lies above the bound of the limit k_c → ∞."""
-    report = report_of({"mass": 9.0, "contact_stiffness": 1e8, "contact_damping": 5e4}, "threads")
-    assert (report.stable, report.kind) == (False, "flutter")
-    assert round(report.eigenvalues[-1].real) == 553
-    assert report.conditions["contact_flutter"].hold is True
-    assert report.quantities["least_damping_of_stiff_contact"].value < 5e4
-    assert report.quantities["least_contact_damping"].value > 5e4
-
-
-def test_boundaries_of_undamped_drives_are_those_of_real_frequencies():
-    """μ_kc of figure 8.15 (eq. 8.28); and between the branches of (8.29) no friction of the gap is stable."""
-    undamped = {"mass": 15.0, "support_damping": 0.0}
-    found = onset("support", undamped, "friction_coefficient")
-    assert found.stability == "neutral"
-    assert found.solutions[-1].value == pytest.approx(0.2848594241193505, rel=1e-15)
-
-
 def test_a_set_of_several_intervals_is_reported_in_full():
     """A soft support, undamped: small and large friction are stable, mode coupling lies between."""
     changes = {"mass": 15.0, "support_damping": 0.0, "support_stiffness": 1e7, "friction_coefficient": 0.1}
     found = onset("support", changes, "friction_coefficient")
     ends = [end for interval in found.stable_intervals for end in interval]
+    assert found.stability == "neutral"
     assert [solution.value for solution in found.solutions] == [end for end in ends if end]
     middle = [(low + high) / 2 for low, high in found.stable_intervals]
     gaps = [(a + b) / 2 for a, b in zip(ends[1::2], ends[2::2], strict=False)]
@@ -198,6 +181,7 @@ KNOWN = [
     ("threads", {"mass": 9.0}, "stable"),
     ("threads", {"mass": 11.0}, "divergence"),
     ("threads", {"mass": 9.0, "contact_damping": 0.0}, "flutter"),
+    ("threads", {"mass": 9.0, "contact_stiffness": 1e8, "contact_damping": 5e4}, "flutter"),
     ("support", {"mass": 15.0, "support_damping": 0.0}, "neutral"),
     ("support", {"mass": 15.0, "support_damping": 0.0, "support_stiffness": 1e7}, "flutter"),
     ("support", {"mass": 15.0, "support_damping": 0.0, "support_stiffness": 1e9, "friction_coefficient": 0.25},
