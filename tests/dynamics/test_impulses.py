@@ -40,6 +40,7 @@ def test_impulses_of_a_motion(model, force):
     # The tangential impulse F of the threads from the other balance; Coulomb's law allows no more than mu times J_N.
     cosine, sine = math.cos(drive.lead_angle), math.sin(drive.lead_angle)
     tangential = impulses.torque / drive.pitch_radius * cosine + impulses.axial * sine
+    assert impulses.normal * cosine + tangential * sine == pytest.approx(impulses.axial, rel=1e-12)
     assert (np.abs(tangential) <= drive.friction_coefficient * np.abs(impulses.normal) * (1 + 1e-12)).all()
     lead = drive.pitch_radius * math.tan(drive.lead_angle)
     before = motion.before[seized]
@@ -47,6 +48,8 @@ def test_impulses_of_a_motion(model, force):
         speed = drive.input_speed + before[:, 1]
         assert impulses.normal[seized] == pytest.approx(seizure_impulse(drive, speed), rel=1e-12)
         axial = drive.mass * lead * speed
+        assert impulses.torque[seized] == pytest.approx(drive.screw_inertia * speed, rel=1e-12)
+        assert (motion.after[seized] == np.stack([before[:, 0], 0 * speed - drive.input_speed], 1)).all()
     elif model == "support":
         axial = drive.mass * drive.screw_mass / (drive.mass + drive.screw_mass) * lead * (40.0 + before[:, 1])
     else:

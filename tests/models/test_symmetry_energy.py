@@ -5,22 +5,18 @@ of the largest energy or work in it: N is a quotient by Γ_s, whose rounding is 
 errors seen stay below 1e-13.
 """
 
-import math
 from contextlib import suppress
 from itertools import chain
 
 import numpy as np
-import pytest
 from models import test_parts
 from references.comparisons import RULES
 from references.drives import random_drive, random_start
 
 from benchmarks.sweeps.energy_balance import balance
-from lsvib.dynamics.impulses import seizure_impulse
 from lsvib.engine.motion import follow
 from lsvib.errors import EngineError, InputError
 from lsvib.models.model import automaton_of, model_of
-from lsvib.models.names import Event
 from lsvib.models.rigid import rigid_automaton
 
 
@@ -61,24 +57,3 @@ def test_energy_balances():
         found = balance(motion, drive)
         assert found.residual <= 1e-11 + 4 * found.rounding, drive
         assert found.rounding <= 1e-10
-
-
-def test_seizure_loses_what_the_impact_consumes():
-    """½ (I + m p²) v² = ½ J_F v_s: the tangential impulse times the mean speed of sliding, with
-
-    m p v = J_N cos λ + J_F sin λ and I v = r_m (J_F cos λ − J_N sin λ), the momenta that nut and screw lose.
-    """
-    seizures = 0
-    for drive, _, motion, _ in motions(100):
-        sine, cosine, radius = math.sin(drive.lead_angle), math.cos(drive.lead_angle), drive.pitch_radius
-        lead, matrix = radius * sine / cosine, np.array([[cosine, sine], [-radius * sine, radius * cosine]])
-        for k in np.flatnonzero(motion.kind == Event.SEIZURE):
-            assert motion.after[k].tolist() == [motion.before[k, 0], -drive.input_speed]
-            v = drive.input_speed + motion.before[k, 1]
-            normal, tangential = np.linalg.solve(matrix, [drive.mass * lead * v, drive.screw_inertia * v])
-            lost = 0.5 * (drive.screw_inertia + drive.mass * lead**2) * v**2
-            assert lost == pytest.approx(0.5 * tangential * radius * v / cosine, rel=1e-12)
-            assert normal == pytest.approx(float(seizure_impulse(drive, v)), rel=1e-12)
-            assert np.sign(normal) == motion.sign[k] == np.sign(v)
-            seizures += 1
-    assert seizures > 100
