@@ -7,18 +7,16 @@ import pytest
 from mpmath import mp, mpf
 from references.bodies import Bodies
 from references.comparisons import held_against_newton
-from references.drives import drawn, nut_drive, one_of, power, signed, support_drive, threads_drive, times, uniform
+from references.drives import drawn, nut_drive, one_of, power, signed, support_drive, times, uniform
 from references.sizes import sizes
 
 from lsvib.datasets.sweep import sweep
-from lsvib.dynamics.attractor import Attractor, steady_state
+from lsvib.dynamics.attractor import steady_state
 from lsvib.dynamics.energy import work
-from lsvib.dynamics.sweep import all_endings, ending_of
 from lsvib.engine.motion import follow
 from lsvib.errors import EngineError, InputError
 from lsvib.models import friction
 from lsvib.models.drive import PARTS, Drive
-from lsvib.models.many import ManyDrives
 from lsvib.models.mechanism import standing_state
 from lsvib.models.model import automaton_of, model_of
 from lsvib.stability.boundaries import places
@@ -298,28 +296,3 @@ def test_seizures_under_a_law(kind):
     assert {int(code) for code in automaton.codes} <= {int(m) for m in model.modes if "FORWARD_POS" not in m.name}
     motion = follow(automaton, model.initial_state(drive, {"u": 1.0, "w": 10.0}), 0.05)
     assert (motion.kind == model.events["SEIZURE"]).any()
-
-
-@pytest.mark.parametrize("kind", [Drive, threads_drive])
-def test_a_sweep_under_laws_is_that_of_single_drives(kind):
-    """Drives with and without a law in one sweep end as each alone; tables of many hold to 1e-12, not to the bit."""
-    law = {"stribeck_rise": 0.06, "stribeck_speed": 0.05}
-    laws = [{}, law, {"friction_slope": -0.05}, {"static_friction_coefficient": 0.3}, law | {"stribeck_exponent": 2}]
-    own = {"support_damping": 2e-3, "axial_force": 40}
-    if kind is threads_drive:
-        own |= {"contact_stiffness": 1e6, "contact_damping": 100}
-    drives = [kind(mass=mass, **own, **law) for law in laws for mass in (1, 3)]
-    many = ManyDrives(
-        {
-            name: [getattr(drive, name) for drive in drives]
-            for name in Drive.model_fields
-            if name in dict(drives[0]) or name in friction.NAMES
-        }
-    )
-    start, model = {"u": 0.05, "w": -20.0}, model_of(drives[0])
-    found = all_endings(many, start)
-    for one, drive in zip(found, drives, strict=True):
-        alone = ending_of(drive, automaton_of(drive), model.initial_state(drive, start))
-        assert tuple(one)[:2] == tuple(alone)[:2]
-        np.testing.assert_allclose(tuple(one)[2:], tuple(alone)[2:], rtol=1e-9)
-    assert Attractor.UNRESOLVED not in found.attractor
