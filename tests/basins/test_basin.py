@@ -133,15 +133,6 @@ def test_boundary_under_a_law_against_the_map_by_cells(scene):
     assert found.fraction(window) == pytest.approx(cells.mean(), abs=2 / number)
 
 
-def test_mirrored_drive_has_the_basin_turned_by_half_a_turn():
-    found = basin(drive_of("the other way round"))
-    twin = basin(drive_of("touching slip"))
-    generator = np.random.default_rng(3)
-    for state in generator.uniform([-0.3, -150], [0.3, 150], (200, 2)):
-        assert found.contains(state) == twin.contains(-state)
-    assert found.area(WINDOW) == pytest.approx(twin.area(Window(-0.3, 0.3, -150.0, 150.0)), rel=1e-14)
-
-
 def touching_motion(d: RigidTrueDrive):
     """The motion that touches Q = 0, from there backwards to Q = 0: the state where it touches, end, duration.
 
@@ -208,7 +199,7 @@ def test_area_in_a_window_is_the_sum_over_its_parts():
             assert abs(across - whole) < 1e-13 * size
 
 
-@pytest.mark.parametrize("scene", ["touching slip", "repelling cycle of slip", "Fig. 8.14b beyond m_cr"])
+@pytest.mark.parametrize("scene", ["the other way round", "repelling cycle of slip", "Fig. 8.14b beyond m_cr"])
 def test_share_of_windows_of_any_width_about_the_boundary(scene):
     """Beside random points of the window: within five standard errors of their share, or refused as too narrow."""
     found, generator, refused = basin(drive_of(scene)), np.random.default_rng(6), 0

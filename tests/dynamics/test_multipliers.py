@@ -149,10 +149,7 @@ KINDS = ("threads", "support", "nut")
 
 # Drives of which slip that repels may bound the basin of steady sliding; and drives below or above the critical mass.
 ON_AN_EDGE = {"mass": uniform(9.5, 9.95), "translation_damping": power(2.9, 3.1), "axial_force": uniform(6, 14)}
-ANYWHERE = {
-    "mass": uniform(4, 16), "support_damping": power(-4, -2.5), "translation_damping": one_of(0.0, 10.0, 1000.0),
-    "axial_force": uniform(-60, 60), "input_speed": one_of(-40.0, 40.0),
-}  # fmt: skip
+ANYWHERE = RIGID | {"mass": uniform(4, 16)}
 NUT = {"nut_inertia": power(-3, -1), "nut_stiffness": power(2, 5), "nut_damping": power(-2, 1)}
 
 

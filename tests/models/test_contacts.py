@@ -4,7 +4,7 @@ from contextlib import suppress
 
 import numpy as np
 import pytest
-from models.test_parts import MOTOR, OWN, balanced
+from models.test_parts import COLLAR, MOTOR, OWN, RISE, balanced
 from references.comparisons import by_newton, by_package, held_against_contacts
 from references.contacts import Contacts
 from references.drives import drawn, one_of, power, signed, times, uniform
@@ -23,8 +23,6 @@ SLOW = {
     "input_speed": times(one_of(0, 1, 1, 1), signed(power(-0.5, 1.2))), "friction_coefficient": uniform(0.1, 0.3),
 }  # fmt: skip
 DRY = {"slide_friction": power(-0.5, 1.3), "bearing_friction": power(-3, -1.5)}
-COLLAR = {"collar_friction": uniform(0.05, 0.3), "collar_radius": power(-2.6, -1.9)}
-LAW = {"stribeck_rise": uniform(0, 0.1), "stribeck_speed": power(-2.3, -0.5), "stribeck_exponent": one_of(1, 2)}
 STATIC = {name: name.replace("friction", "static_friction") for name in ("friction_coefficient", *DRY)}
 KINDS = {event.name.lower() for event in Event} - {"graze", "accumulation", "passage"}
 
@@ -42,7 +40,7 @@ def random_contacts(seed: int) -> tuple[Drive, np.ndarray, Command | None]:
         values |= {name: draw(rng) for name, draw in DRY.items() if rng.random() < 0.8}
         own = {"slide_friction": has["support"] or has["threads"], "bearing_friction": has["nut"]}
         if not any(own[name] for name in DRY if name in values) and rng.random() < 0.5:
-            values |= drawn(rng, LAW, friction_slope=uniform(-0.3, 0))
+            values |= drawn(rng, RISE, friction_slope=uniform(-0.3, 0))
         if not any(has[part] for part in OWN) and rng.random() < 0.5:
             values |= drawn(rng, COLLAR)
         for name, most in STATIC.items():
