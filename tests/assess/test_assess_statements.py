@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import yaml
 from references.random_sheets import random_sheet, sheet
+from references.sizes import sizes
 
 from lsvib.assess.assessment import assess
 from lsvib.assess.margins import ANY, margins
@@ -303,13 +304,9 @@ def windows(seed, indices):
     return looked
 
 
-def test_windows_are_seen_as_a_dense_look_sees_them():
-    assert windows(11, range(40)) > 20
-
-
-@pytest.mark.search
-def test_a_thousand_windows_are_seen_as_a_dense_look_sees_them():
-    assert windows(12, range(1100)) > 1000
+@pytest.mark.parametrize("sheets", sizes([(11, range(40))], [], [(12, range(1100))]))
+def test_windows_are_seen_as_a_dense_look_sees_them(sheets):
+    assert windows(*sheets) > (20 if len(sheets[1]) == 40 else 1000)
 
 
 @pytest.mark.parametrize("direction", ["out", "back", "both"])
