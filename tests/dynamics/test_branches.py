@@ -56,7 +56,7 @@ def test_a_branch_goes_on_where_its_cycle_does(values, period, parameter, span, 
         assert min(found) - 1e-9 <= value <= max(found) + 1e-9
 
 
-@pytest.mark.parametrize("seeds", sizes([], [range(16)], [range(k, k + 100) for k in range(0, 1200, 100)]))
+@pytest.mark.parametrize("seeds", sizes([], [range(12)], [range(k, k + 100) for k in range(0, 1200, 100)]))
 def test_random_branches(seeds):
     """Folds, borders, ends and points in between are what own motions say, of nearly all that they can follow."""
     drawn = [one for seed in seeds if (one := random_branch(seed)) is not None]

@@ -220,7 +220,7 @@ class Arc:
 
     def rate(self, time: float, state: np.ndarray) -> np.ndarray:
         self.asked += 1
-        assert self.asked < 5_000, "where law + of rigid threads hardly holds, they are too stiff for this"
+        assert self.asked < 6_000, "where law + of rigid threads hardly holds, they are too stiff for this"
         return self.laws.rate(time, state, self.mode)
 
     def values(self, times: np.ndarray, states: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
