@@ -2,10 +2,13 @@
 
 from collections import Counter
 
+import numpy as np
 import pytest
 from references.branches import Judge, random_branch
 from references.drives import rigid_drive
 from references.sizes import sizes
+
+from lsvib.dynamics.shooting import Shooting, Units
 
 KNOWN = [  # drive, period of the cycle, parameter, span; values that it reaches as attracting cycles, the last a fold
     ({
@@ -54,6 +57,29 @@ def test_a_branch_goes_on_where_its_cycle_does(values, period, parameter, span, 
     found += [change.value for change in branch.changes]
     for value in reached:
         assert min(found) - 1e-9 <= value <= max(found) + 1e-9
+
+
+@pytest.mark.parametrize("k", sizes([3], range(len(KNOWN))))
+def test_equations_have_their_derivatives(k):
+    """By state, period and parameter, through rest, seizures, jams and static friction, against central differences."""
+    values, period, parameter, span, _ = KNOWN[k]
+    cycles = rigid_drive(values).cycles().cycles
+    cycle = next(one for one in cycles if period is None or one.period == pytest.approx(period, rel=1e-6))
+
+    def build(value):
+        drive = cycle.drive.replace(**{parameter: value})
+        return drive, drive.automaton()
+
+    value = getattr(cycle.drive, parameter)
+    units = Units(build, np.abs(cycle.orbit.after).max(axis=0), cycle.period, abs(value), span)
+    shooting = Shooting(units, cycle.orbit)
+    here = shooting.here(cycle.period, value, np.array([0.0, 1.0]))
+    exact = shooting.slopes(here, here.slope)
+    for column, step in zip(exact.T, 1e-7 * np.eye(here.z.size), strict=True):
+        ends = [shooting.gap(shooting.at(here.z + sign * step)) for sign in (1, -1)]
+        # rounding of the differences, and what a derivative changes over their step
+        np.testing.assert_allclose(column, (ends[0] - ends[1]) / 2e-7, atol=1e-4 * np.abs(exact).max())
+    assert np.abs(exact @ here.tangent).max() <= 1e-9 * np.abs(exact).max()
 
 
 @pytest.mark.parametrize("seeds", sizes([], [range(12)], [range(k, k + 100) for k in range(0, 1200, 100)]))
