@@ -176,7 +176,9 @@ def test_cycles_and_follow(run):
     text = run("cycles", *FOLD)[1]
     assert [text.count(f"sprag slip cycle, {kind}") for kind in ("attracting", "repelling")] == [1, 1]
     over = ["--over", "axial_force=-18.38:-18.36", "--points", "30"]
-    branch = json.loads(run("follow", *FOLD, *over, "--out", "branch.nc", "--json")[1])
+    _, out, progress = run("follow", *FOLD, *over, "--out", "branch.nc", "--json")
+    branch = json.loads(out)
+    assert progress.endswith("100 % of 60 points\n")
     assert {point["attracting"] for point in branch["points"]} == {True, False}
     assert "fold" in [change["kind"] for change in branch["changes"]]
     assert "KEY=LOW:HIGH" in refused(run, "follow", *FOLD, "--over", "axial_force=-18")
