@@ -141,9 +141,11 @@ class _Walk:
             yield len(self.points)
             # no longer than a part of a cycle that shrinks
             there, step = _stepped(shooting, here, min(step, _LONGEST, 0.3 * _extent(shooting, here)))
-            if there is None:
-                there, step = self._behind(shooting, here, _last(shooting, here)), _FIRST
-            elif not self._reached(shooting, here, there):
+            cycle = None if there is None else _cycle(there)
+            if there is None or cycle is None:  # next to a graze, where neighbours grow, it may not close to rounding
+                last = _last(shooting, here) if there is None else here
+                there, step = self._behind(shooting, here, last), _FIRST
+            elif not self._reached(shooting, here, there, cycle):
                 there = None
             if there is not None:
                 shooting, here = _centred(shooting, there)
@@ -161,18 +163,15 @@ class _Walk:
         """Note a change at a point, so much further along than the last point."""
         self.changes.append(Change(kind, self.units.value(at.z), what, self.points[-1].along + further))
 
-    def _reached(self, shooting: Shooting, here: Solved, there: Solved) -> bool:
+    def _reached(self, shooting: Shooting, here: Solved, there: Solved, cycle: Cycle) -> bool:
         """Note a point of the same piece and what changes on the way to it; returns whether the branch goes on."""
-        cycle, turn, (before, now) = _cycle(there), here, (_extent(shooting, one) for one in (here, there))
+        turn, (before, now) = here, (_extent(shooting, one) for one in (here, there))
         if now < _NOTHING:
             gone = there.z + (now / (before - now) if before > now else 0.0) * (there.z - here.z)
             self._change("end", replace(there, z=gone), "it shrinks to nothing")
             return False
         if here.tangent[-1] * there.tangent[-1] < 0:
             turn = _halved(shooting, here, there, lambda other: other.tangent[-1] * here.tangent[-1] > 0)
-        if cycle is None:
-            self._change("end", here, self._why(shooting, here))
-            return False
         if turn is here:
             self._compare(shooting, here, there, cycle)
         elif (parts := _parts(shooting, turn)) > 1:
@@ -232,7 +231,7 @@ class _Walk:
             return "it shrinks to nothing"
         beyond = next(_otherwise(shooting, last), None)
         if beyond is None:
-            return "neighbours grow so much within a period that rounding hides what is beyond"
+            return "no further cycle is found, by Newton's method or by motions from next to its orbit"
         what = f"it {_in_words(last, beyond) or 'changes the order of its events'}"
         if last.rests and not beyond.rests:
             what = "its slip no longer comes to rest"
