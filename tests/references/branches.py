@@ -139,8 +139,9 @@ class Judge:
     def course(self) -> None:
         """Points in order, in steps as long as is said, without jumps, and none where the branch has been."""
         along, values = (np.array([getattr(point, name) for point in self.points]) for name in ("along", "value"))
-        lengths, size = np.diff(along), np.mean([sizes(point) for point in self.points], axis=0)
-        ranges = np.array([[*p.cycle.extremes.values()][: len(size)] for p in self.points]) / size[:, None]
+        lengths, n = np.diff(along), len(self.points[0].cycle.state)
+        ranges = np.array([[*point.cycle.extremes.values()][:n] for point in self.points])
+        ranges /= np.maximum(np.abs(ranges).max(axis=(0, 2), keepdims=True), np.finfo(float).tiny)
         counted = np.arcsinh(values / abs(values[np.argmin(np.abs(along))]))
         periods = np.log([point.cycle.period for point in self.points])
         places = np.column_stack([counted, periods, ranges.reshape(len(along), -1)])
