@@ -7,7 +7,7 @@ part in the parameter, whose value there is exact to rounding, as it is stationa
 
 Where a piece ends – a graze, two events that fall together, a rest of no length, a mode that is no more – is a
 *border*, found to the last place at which its itinerary closes. Behind it a cycle of other events closes on the same
-orbit, or none does. So motions are tried from next to that orbit, on either side of the parameter; from those with
+orbit, or none does. Motions are tried from next to that orbit, on either side of the parameter; from those with
 other events Newton's method seeks a cycle, at three distances δ from the border: one that comes nearer to the orbit as
 δ falls is the next piece. It may lie on the same side, so that two cycles meet at the border, a fold without
 derivative.
@@ -75,7 +75,7 @@ class CycleBranch:
 
 
 def follow_cycle(
-    cycle: Cycle, build: Build, parameter: str, span: tuple[float, float], most: int, progress: Progress | None = None
+    cycle: Cycle, build: Build, parameter: str, span: tuple[float, float], most: int, progress: Progress | None
 ) -> CycleBranch:
     """Follow a cycle over a parameter, both ways from where it is, as far as it goes within ``span``.
 
@@ -225,10 +225,11 @@ class _Walk:
         self._add(here, behind, cycle)
         return behind
 
-    def _why(self, shooting: Shooting, last: Solved, nearest: Solved | None = None) -> str:
+    def _why(self, shooting: Shooting, last: Solved, nearest: Solved | None) -> str:
         """What is known of why no piece is found behind the last point of one; ``nearest``: a cycle that is there."""
-        if _extent(shooting, last) < 1e2 * _NOTHING:
-            return "it shrinks to nothing"
+        extent = _extent(shooting, last)
+        if extent < 1e2 * _NOTHING:
+            return f"it has shrunk to {100 * extent:.1g} % of the motion at its start, and is not found further"
         beyond = next(_otherwise(shooting, last), None)
         if beyond is None:
             return "no further cycle is found, by Newton's method or by motions from next to its orbit"
@@ -238,7 +239,7 @@ class _Walk:
         if not alike(last.motion.automaton, beyond.motion.automaton):
             what += " as the drive gets other modes"
         other = "" if nearest is None else f"; the nearest has a period of {nearest.motion.end_time:.9g} s"
-        return f"{what}, and no cycle of other events closes on its orbit{other}"
+        return f"{what}, and no cycle of other events is found to close on its orbit{other}"
 
 
 def _stepped(shooting: Shooting, here: Solved, step: float) -> tuple[Solved | None, float]:

@@ -196,7 +196,7 @@ class Shooting:
             step = newton_step(np.vstack([matrix, row]), -np.append(gap, row @ (z - guess)))
             if step is None:
                 return None
-            step[-1] *= across is not None  # so that no other drive is made
+            step[-1] = 0.0 if across is None else step[-1]  # to the last bit, so that no other drive is made
             length = float(np.abs(step).max())
             left = np.abs(gap).max() / max(1.0, np.abs(matrix[:-1, :-2]).max())
             stalls += left <= _ROUNDED and length <= CLOSE and length > 0.5 * last
