@@ -28,11 +28,12 @@ from references.sizes import sizes
 import lsvib
 import lsvib.api
 from lsvib.dynamics.attractor import Attractor, steady_state
+from lsvib.dynamics.cycles import cycle_of
 from lsvib.dynamics.poincare_map import Section, derivative, section_key
 from lsvib.engine.motion import follow
 from lsvib.errors import EngineError
 from lsvib.models.drive import Drive
-from lsvib.models.mechanism import seated_state
+from lsvib.models.mechanism import seated_state, standing_state
 from lsvib.models.model import automaton_of
 from lsvib.models.names import Event
 from lsvib.models.rigid import rigid_automaton
@@ -307,3 +308,19 @@ def test_a_drive_whose_rates_lie_too_far_apart_is_refused_in_seconds():
     """One search of it would take 10¹³ steps."""
     with pytest.raises(EngineError, match=r"all 8 starts are unresolved .*work budget exhausted"):
         lsvib.Drive(translation_damping=1e15, friction_slope=-1e-5).cycles()
+
+
+@pytest.mark.parametrize("mass", [7.866124518256167, 7.473460950917817, 6.954259098269641])
+def test_multiplier_where_friction_jams_the_threads(mass):
+    """Rates grow without bound before a jam; the exact derivative is that of differences of the return map."""
+    drive = Drive(
+        coupling_stiffness=1.3913607403715653, support_damping=0.0004493480969547084, mass=mass,
+        friction_coefficient=0.21350336747657733, stribeck_rise=0.070661573872125, stribeck_speed=0.14063912258280198,
+        input_speed=-9.559373698209251, translation_damping=17.028530012073478, axial_force=-10.354393954278866,
+    )  # fmt: skip
+    cycle = cycle_of(drive, steady_state(automaton_of(drive), standing_state(drive)))
+    section, step = cycle.section, 1e-6
+    here = section.place(cycle.state)
+    ends = [section.place(section.come_back(section.state(here + sign * step)).end_state) for sign in (1, -1)]
+    # central differences of a step of 1e-6 leave its square
+    assert cycle.multipliers == pytest.approx((ends[0] - ends[1]) / (2 * step), rel=1e-6)

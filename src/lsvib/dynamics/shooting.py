@@ -244,20 +244,17 @@ def variations(motion: Motion, beside: Automaton, step: float) -> np.ndarray:
     for k, (mode, start, end, duration) in enumerate(zip(*motion.arcs(), strict=True)):
         rate, happens = rate_of(automaton, mode, end), k < motion.time.size and motion.kind[k] != GRAZE_KIND
         (middle,), _ = _arc(automaton, mode, start, math.inf).at([0.5 * duration])
-        if happens and np.abs(rate).max() > _STEEP * np.abs(rate_of(automaton, mode, middle)).max():
-            event = int(motion.kind[k]), int(motion.mode[k])
-            slopes, jump = _by_differences((automaton, beside), (mode, start, 2.0 * duration), event)
-            total, lag = slopes[:-1] @ total, slopes[-1] @ total
-            total[:, -1] += jump[:-1] / step
-            lag[-1] += jump[-1] / step
-            late = late + lag
-            continue
-        total = derivative(_arc(automaton, mode, start, duration)).matrix @ total
-        (there,), _ = _arc(beside, mode, start, math.inf).at([duration])
-        total[:, -1] += (there - end) / step
+        steep = happens and np.abs(rate).max() > _STEEP * np.abs(rate_of(automaton, mode, middle)).max()
+        flow = derivative(_arc(automaton, mode, start, duration)).matrix
+        total = flow @ total
+        if steep:  # friction jams the threads: rates are as the flow carries them, arcs go up to their events
+            rate = flow @ rate_of(automaton, mode, start)
+        else:
+            (there,), _ = _arc(beside, mode, start, math.inf).at([duration])
+            total[:, -1] += (there - end) / step
         if not happens:
             continue
-        own, other = automaton.tables, beside.tables
+        own, other = automaton.tables, (automaton if steep else beside).tables
         guard = crossed_guard(own, mode, motion.kind[k], motion.mode[k], end)
         surface, reset = own.guard_surface[guard], own.transition_reset[own.guard_transition[guard]]
         speed = own.surfaces[surface, :-1] @ rate
@@ -270,29 +267,15 @@ def variations(motion: Motion, beside: Automaton, step: float) -> np.ndarray:
         if reset >= 0:
             total = own.resets[reset][:, :-1] @ total
             total[:, -1] += (other.resets[reset] - own.resets[reset]) @ affine / step
+        if steep:
+            try:
+                event = int(motion.kind[k]), int(motion.mode[k])
+                whole = follow(beside, start, 2.0 * duration, mode=mode, stop=event)
+            except EngineError:
+                return np.full((n, n + 1), np.nan)
+            total[:, -1] += (whole.end_state - motion.after[k]) / step
+            late[-1] += (whole.end_time - duration) / step
     return total - np.outer(rate, late)
-
-
-def _by_differences(
-    automata: tuple[Automaton, Automaton], begin: tuple[int, np.ndarray, float], event: tuple[int, int]
-) -> tuple[np.ndarray, np.ndarray]:
-    """The derivative (n + 1, n) of the state after an event and of its time by a start, and their change beside it.
-
-    ``begin``: the mode, the start (n), and the longest time. For arcs before which friction jams the threads, where
-    rates grow without bound and the exact derivative loses its digits.
-    """
-    mode, start, longest = begin
-
-    def ends(automaton: Automaton, state: np.ndarray) -> np.ndarray:
-        try:
-            whole = follow(automaton, state, longest, mode=mode, stop=event)
-        except EngineError:
-            return np.full(state.size + 1, np.nan)
-        return np.append(whole.end_state, whole.end_time)
-
-    here, steps = ends(automata[0], start), _DIFFERENCE * np.maximum(np.abs(start), 1e-3 * np.abs(start).max())
-    columns = [(ends(automata[0], start + step) - here) / step.max() for step in np.diag(steps)]
-    return np.column_stack(columns), ends(automata[1], start) - here
 
 
 def alike(one: Automaton, other: Automaton) -> bool:

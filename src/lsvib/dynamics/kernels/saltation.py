@@ -21,6 +21,7 @@ from lsvib.engine.kernels.flow_planar import EPS
 from lsvib.engine.kernels.jit import entry, kernel, on_stack
 from lsvib.engine.kernels.layout import ACCUMULATION_KIND, GRAZE_KIND
 
+_APART = 1e4  # in roundings, by which two fields that should be one differ for another reason
 _TERMS = 8.0  # most roundings in a term of a product of two matrices with up to five rows
 
 
@@ -49,14 +50,24 @@ def crossed_guard(tables, mode, kind, after, before):
 
 
 @kernel
-def _event(tables, mode, kind, after, before, out, lost):
+def _event(tables, mode, kind, after, before, carried, unsure, out, lost):
     """Write R (I − f gᵀ / gᵀf) of an event that ends ``mode`` in the state ``before``, and its rounding; nan if none.
+
+    f is also what the flow makes of the field at its start, ``carried`` (n), which is ``unsure`` (n) by rounding. Where
+    friction jams the threads f grows without bound, and within the last place of a time both differ: what goes with
+    the derivative of the flow is then the field that it carries.
 
     There is none where the field only touches the surface, or infinitely many events end.
     """
     n = before.size
     f, f_size = on_stack(n), on_stack(n)
     field(tables.flow, mode, before, f, f_size)
+    differ = False
+    for i in range(n):
+        differ = differ or abs(carried[i] - f[i]) > _APART * (unsure[i] + EPS * f_size[i])
+    for i in range(n):
+        if differ:
+            f[i], f_size[i] = carried[i], max(abs(carried[i]), unsure[i] / EPS)
     guard = -1 if kind == ACCUMULATION_KIND else crossed_guard(tables, mode, kind, after, before)
     normal = tables.surfaces[tables.guard_surface[max(guard, 0)]]
     speed, speed_size = 0.0, 0.0
@@ -108,6 +119,7 @@ def derivative(flow_derivative, tables, begin, events, total, lost):
     """
     n, mode, start, times = begin.state.size, begin.mode, begin.time, events.time
     matrix, rounding, room = on_stack((n, n)), on_stack((n, n)), on_stack((n, 2))
+    begins, carried, unsure = on_stack(n), on_stack(n), on_stack(n)
     for i in range(n):
         for j in range(n):
             total[i, j], lost[i, j] = 1.0 if i == j else 0.0, 0.0
@@ -116,6 +128,12 @@ def derivative(flow_derivative, tables, begin, events, total, lost):
         derivative_at(flow_derivative, tables.flow, mode, state, times[k] - start, matrix, rounding)
         _then(matrix, rounding, _TERMS * EPS, total, lost, room)
         if events.kind[k] != GRAZE_KIND:
-            _event(tables, mode, events.kind[k], events.mode[k], events.before[k], matrix, rounding)
+            field(tables.flow, mode, state, begins, unsure)  # sizes of its terms, which are not asked
+            for i in range(n):
+                carried[i] = unsure[i] = 0.0
+                for j in range(n):
+                    carried[i] += matrix[i, j] * begins[j]
+                    unsure[i] += _TERMS * EPS * (rounding[i, j] + abs(matrix[i, j])) * abs(begins[j])
+            _event(tables, mode, events.kind[k], events.mode[k], events.before[k], carried, unsure, matrix, rounding)
             _then(matrix, rounding, 1.0, total, lost, room)
         mode, start = events.mode[k], times[k]
