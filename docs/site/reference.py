@@ -68,7 +68,7 @@ def write_pages(source: Path) -> None:
 def public_names() -> str:
     """Return the page of all names of ``lsvib.__all__``, in groups; none can be forgotten."""
     known = {name for names in _GROUPS.values() for name in names}
-    rest = [name for name in lsvib.__all__ if name not in known and not name.startswith("__")]
+    rest = [name for name in lsvib.__all__ if name not in known]
     lines = [_heading("Public interface", "="), "All of it is in ``import lsvib``; :doc:`python` shows it at work.\n"]
     for group, names in (*_GROUPS.items(), *([(_OTHER, rest)] if rest else [])):
         lines.append(_heading(group, "-"))

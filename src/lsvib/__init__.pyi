@@ -1,32 +1,32 @@
-"""The public names of the package and where they live; ``__init__.py`` loads each on first use."""
+"""The public names of the package and where they live; lazy_loader loads each on first use."""
 
-from lsvib.api import Drive as Drive
-from lsvib.api import Scene as Scene
-from lsvib.api import simulate as simulate
-from lsvib.basins.boundary import Basin as Basin
-from lsvib.basins.curves import Window as Window
-from lsvib.basins.grid import Axis as Axis
-from lsvib.basins.grid import Grid as Grid
-from lsvib.basins.resilience import Resilience as Resilience
-from lsvib.datasets.cycles import Cycles as Cycles
-from lsvib.dynamics.attractor import Attractor as Attractor
-from lsvib.dynamics.attractor import SteadyState as SteadyState
-from lsvib.dynamics.continuation import CycleBranch as CycleBranch
-from lsvib.dynamics.cycles import Cycle as Cycle
-from lsvib.errors import DivergenceError as DivergenceError
-from lsvib.errors import EngineError as EngineError
-from lsvib.errors import InputError as InputError
-from lsvib.errors import LsvibError as LsvibError
-from lsvib.errors import NoThreshold as NoThreshold
-from lsvib.figures.answers import draw as draw
-from lsvib.figures.answers import open as open
-from lsvib.results import Condition as Condition
-from lsvib.results import Derivative as Derivative
-from lsvib.results import PrintedValue as PrintedValue
-from lsvib.results import Quantity as Quantity
-from lsvib.results import StabilityReport as StabilityReport
-from lsvib.results import Threshold as Threshold
-from lsvib.results import ThresholdSolution as ThresholdSolution
-from lsvib.results import UndampedStability as UndampedStability
+from .api import Drive as Drive
+from .api import Scene as Scene
+from .api import simulate as simulate
+from .basins.boundary import Basin as Basin
+from .basins.curves import Window as Window
+from .basins.grid import Axis as Axis
+from .basins.grid import Grid as Grid
+from .basins.resilience import Resilience as Resilience
+from .datasets.cycles import Cycles as Cycles
+from .dynamics.attractor import Attractor as Attractor
+from .dynamics.attractor import SteadyState as SteadyState
+from .dynamics.continuation import CycleBranch as CycleBranch
+from .dynamics.cycles import Cycle as Cycle
+from .errors import DivergenceError as DivergenceError
+from .errors import EngineError as EngineError
+from .errors import InputError as InputError
+from .errors import LsvibError as LsvibError
+from .errors import NoThreshold as NoThreshold
+from .figures.answers import draw as draw
+from .figures.answers import open as open
+from .results import Condition as Condition
+from .results import Derivative as Derivative
+from .results import PrintedValue as PrintedValue
+from .results import Quantity as Quantity
+from .results import StabilityReport as StabilityReport
+from .results import Threshold as Threshold
+from .results import ThresholdSolution as ThresholdSolution
+from .results import UndampedStability as UndampedStability
 
 __version__: str

@@ -3,7 +3,6 @@
 Parameters of parts and frictions against the ground are varied from a drive that does not have them.
 """
 
-import ast
 import copy
 import doctest
 import json
@@ -13,7 +12,6 @@ import re
 import subprocess
 import sys
 from dataclasses import fields
-from importlib.util import find_spec
 from operator import methodcaller
 from pathlib import Path
 
@@ -50,13 +48,9 @@ def random_drives(count: int):
 
 
 def test_every_public_name_is_there():
-    """The stub names them and where they live; each is loaded from there, and says what it is."""
-    stub = ast.parse(Path(find_spec("lsvib").origin).with_suffix(".pyi").read_text(encoding="utf-8"))
-    names = {alias.asname for node in stub.body if isinstance(node, ast.ImportFrom) for alias in node.names}
-    assert {*names, "__version__"} == set(lsvib.__all__) <= set(dir(lsvib))
     for name in lsvib.__all__:
         assert getattr(lsvib, name).__doc__
-    with pytest.raises(AttributeError, match="no attribute 'LeadDrive'"):
+    with pytest.raises(AttributeError, match="No lsvib attribute LeadDrive"):
         _ = lsvib.LeadDrive
 
 
