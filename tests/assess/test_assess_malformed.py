@@ -164,12 +164,6 @@ def test_a_bad_option_is_refused(run, option, words):
     assert words in refused_sheet(run, yaml.safe_dump(BASE), *option)
 
 
-def test_a_file_that_is_not_ours_is_not_replaced(run, tmp_path):
-    (tmp_path / "report").mkdir()
-    (tmp_path / "report" / "assessment.json").write_text("a letter", encoding="utf-8")
-    assert "remove it first" in refused_sheet(run, yaml.safe_dump(BASE))
-
-
 @pytest.mark.parametrize(("text", "expected"), [("99.9 %", 0.999), ("9.99e1 %", 0.999), ("35. %", 0.35)])
 def test_a_percentage_is_the_nearest_double(text, expected):
     """99.9 % is the end of the range of efficiencies, which a division by 100 would miss."""

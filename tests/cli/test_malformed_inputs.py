@@ -87,9 +87,9 @@ COMMANDS = [
     ("figure 8.6 --set mass=2", "mass = 2, none of mass_readings: 1 and 8"),
     ("figure 8.8 --out text", "is not a folder"),
     # Files.
-    (MOTION.replace("x.nc", "none/x.nc"), "none does not exist"),
     (MOTION.replace("x.nc", "folder"), "it is a folder"),
-    (MOTION.replace("x.nc", "text"), "is no netCDF file"),
+    (MOTION.replace("x.nc", "text/x.nc"), "text is not a folder"),
+    (MOTION.replace("x.nc", "long" * 99), "File name too long"),
     (MOTION.replace("x.nc", "pipe"), "pipe"),
     ("simulate --scene scene.yaml --out to_scene", "reads"),
     *((words, "belongs to the workflow") for words in (

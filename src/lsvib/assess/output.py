@@ -23,7 +23,7 @@ from lsvib.assess.words import ABOUT, QUANTITIES, VERDICTS
 from lsvib.datasets.attributes import flagged, named_index, variable
 from lsvib.datasets.io import write_dataset
 from lsvib.errors import InputError
-from lsvib.files import Outputs, write_json, write_text
+from lsvib.files import check_outputs, replacing, write_json, write_text
 
 _OF_MOTIONS = ("parts", "attractor", "vibrates", "frequency", "audible", "amplitude", "load_speed", "screw_speed",
                "peak_contact_force", "peak_impulse", "reason", "scene")  # fmt: skip
@@ -46,12 +46,12 @@ def assess_file(path: Path, out: Path | None, samples: Any = 4096, seed: Any = 1
         return _of_statics(sheet)
     if out is None:
         return as_json(assess(sheet, count, start))
-    files = [(out / "index.html", "HTML"), (out / "assessment.nc", "netCDF"), (out / "assessment.json", "JSON")]
-    outputs = Outputs(files, [path], make_folders=True)
+    files = [out / name for name in ("index.html", "assessment.nc", "assessment.json")]
+    check_outputs(files, [path])
     found = assess(sheet, count, start)
     operating = charts(found.draw)
     result = as_json(found)
-    with outputs.writing() as (page, data, verdict):
+    with replacing(*files) as (page, data, verdict):
         write_text(report(found, operating), page)
         write_dataset(dataset(found, operating), data)
         write_json(result, verdict)

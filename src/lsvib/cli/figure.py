@@ -10,8 +10,7 @@ from lsvib.cli.app import app, show
 from lsvib.cli.options import AsJson, Changes, Files, refuse_results_of_the_workflow
 from lsvib.errors import InputError, LsvibError
 
-# What a figure is written to: the end of the name after that of the figure, and what the file is called in messages.
-_FILES = {".nc": "netCDF", "_checks.json": "JSON", ".png": "PNG", ".pdf": "PDF"}
+_FILES = (".nc", "_checks.json", ".png", ".pdf")  # ends of names, after that of the figure
 
 
 @app.command
@@ -56,7 +55,7 @@ def figure(
     """
     from lsvib.figures.build import build_figure
     from lsvib.figures.configuration import DEFAULT, section
-    from lsvib.files import Outputs
+    from lsvib.files import check_outputs, replacing
     from lsvib.models.scene import read_yaml
 
     name = _name(number)
@@ -65,9 +64,10 @@ def figure(
     settings = section(read_yaml(config), name)
     if changes:
         settings = {**settings, "drive": _changed_drive(number, name, settings, dict(changes))}
-    files = [(out / f"{name}{ending}", kind) for ending, kind in _FILES.items()]
-    refuse_results_of_the_workflow(*(path for path, _ in files))
-    with Outputs(files, [config], make_folders=True).writing() as parts:
+    files = [out / f"{name}{ending}" for ending in _FILES]
+    refuse_results_of_the_workflow(*files)
+    check_outputs(files, [config])
+    with replacing(*files) as parts:
         checks = build_figure(name, settings, *parts)
 
     failed, picture = sum(not check.passed for check in checks), str(out / f"{name}.png")

@@ -198,22 +198,23 @@ class Files:
     """The dataset and the picture that a command writes: checked before its work begins, both put in place or none."""
 
     def __init__(self, out: Path | None, figure: Path | None = None, reads: Path | None = None) -> None:
-        from lsvib.files import Outputs
+        from lsvib.files import check_outputs
 
         refuse_results_of_the_workflow(out, figure)
         if figure is not None and figure.suffix != ".png":
             raise InputError(f"figure = {figure} does not end in .png; a PDF is written beside it.")
         self.out, self.figure = out, figure
-        files = [(out, "netCDF")] if out else []
+        self.paths = [out] if out else []
         if figure is not None:
-            files += [(figure, "PNG"), (figure.with_suffix(".pdf"), "PDF")]
-        self._outputs: Outputs = Outputs(files, [reads] if reads else [])
+            self.paths += [figure, figure.with_suffix(".pdf")]
+        check_outputs(self.paths, [reads] if reads else [])
 
     def write(self, dataset: "xr.Dataset", command: str = "lsvib") -> None:
         """Write a dataset, and the picture of it."""
         from lsvib.datasets.io import write_dataset
+        from lsvib.files import replacing
 
-        with self._outputs.writing() as parts:
+        with replacing(*self.paths) as parts:
             if self.out:
                 write_dataset(dataset, parts[0], command)
             if self.figure:

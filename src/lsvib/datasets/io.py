@@ -46,7 +46,7 @@ def write_dataset(dataset: xr.Dataset, path: str | os.PathLike[str], maker: str 
             raise InputError(f"{path.name}: the variable {name} {problem}.")
     complete = dataset.drop_encoding().assign_attrs(Conventions=CONVENTIONS, **provenance(maker))
     encoding = {name: _encoding(variable, name in dataset.coords) for name, variable in dataset.variables.items()}
-    with replacing(path) as part:
+    with replacing(path) as (part,):
         try:
             with uninterrupted():  # of a write that is cut short the library keeps its lock for ever
                 complete.to_netcdf(part, engine="netcdf4", format="NETCDF4", encoding=encoding)

@@ -188,5 +188,5 @@ def save(figure: Figure, png: File | None, pdf: File | None = None, *, resolutio
             figure.set_layout_engine(None)
         for path, kind, unsaid in ((png, "png", ["Software"]), (pdf, "pdf", ["CreationDate", "Producer"])):
             if path is not None:
-                with replacing(path) as part:
+                with replacing(path) as (part,):
                     figure.savefig(part, format=kind, metadata=dict.fromkeys(unsaid), dpi=resolution)

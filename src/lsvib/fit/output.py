@@ -12,14 +12,14 @@ from lsvib.assess.words import environment
 from lsvib.datasets.io import write_dataset
 from lsvib.figures import style
 from lsvib.figures.measured_drive import residual_panel, torque_panel
-from lsvib.files import Outputs, write_json, write_text
+from lsvib.files import check_outputs, replacing, write_json, write_text
 from lsvib.fit.dataset import fit_variables
 from lsvib.fit.law import LARGEST_STATIC, PARAMETERS, STATIC, Solution, falls_up_to, halves, load_of_directions
 from lsvib.fit.records import Record
 from lsvib.fit.sheet import FittedSheet, above, fit_sheet, spread
 from lsvib.fit.stick_slip import StickSlip
 
-_FILES = {"fit.nc": "netCDF", "fit.json": "JSON", "fit.png": "PNG", "fit.pdf": "PDF", "friction.yaml": ""}
+_FILES = ("fit.nc", "fit.json", "fit.png", "fit.pdf", "friction.yaml")
 _SENSES = {"lifting": 1, "lowering": -1}  # of the speed, times that of the load
 _ENDS = {
     "fit": "Fit",
@@ -47,13 +47,13 @@ def fit_file(path: Path, out: Path | None = None) -> dict[str, Any]:
     >>> found["points"], round(found["friction"]["stribeck_rise"], 2)
     (30, 0.16)
     """
-    files = [(out / name, kind) for name, kind in _FILES.items()] if out else []
-    outputs = Outputs(files, [path], make_folders=True)
+    files = [out / name for name in _FILES] if out else []
+    check_outputs(files, [path])
     found = fit_sheet(path)
     result = as_json(found)
     if out:
         made = dataset(found)
-        with outputs.writing() as (data, numbers, png, pdf, block):
+        with replacing(*files) as (data, numbers, png, pdf, block):
             write_dataset(made, data, "lsvib.fit.output.fit_file")
             write_json(result, numbers)
             style.save(draw(made), png, pdf)
