@@ -170,7 +170,7 @@ def draft(figures: dict[str, dict[str, Any]], datasets: Texts, checks: Texts, pn
 
 
 def all_checks(files: Texts, outputs: Texts, listed: str | None) -> None:
-    """Collect the checks of all figures: for programs, as a text, the printed numbers, and as a page.
+    """Collect the checks of all figures: for programs, as a text, and the printed numbers.
 
     ``listed``: the file of what the chapter states, for figures of the chapter.
     """
@@ -178,11 +178,11 @@ def all_checks(files: Texts, outputs: Texts, listed: str | None) -> None:
     from lsvib.datasets.statements import read_statements
     from lsvib.files import write_json, write_text
 
-    json, text, printed, page = outputs
+    json, text, printed = outputs
     checks = [pair for file in files for pair in read_checks(file)]
     write_json([{"figure": figure, **check.to_json()} for figure, check in checks], json)
     statements = read_statements(listed) if listed else None
-    for form, file in (("md", text), ("html", page), ("rst", printed)):
+    for form, file in (("md", text), ("rst", printed)):
         write_text(report(form, checks, statements), file)
 
 

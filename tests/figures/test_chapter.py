@@ -1,6 +1,5 @@
 """The list of the chapter's numbers and claims is complete by its numbering, and each entry leads somewhere."""
 
-import html
 import math
 import re
 from pathlib import Path
@@ -85,9 +84,7 @@ def test_a_contradicted_entry_counts_as_nothing_else():
 def test_the_report_has_the_counts_and_the_contradictions():
     """Without the list, as for the figures of accuracy, it says nothing of the chapter's statements."""
     statements = read_statements(FILE)
-    pages = [report(form, [], statements) for form in ("md", "html", "rst")]
-    assert all(counted(statements) in html.unescape(page) for page in pages)
-    for entry in statements["contradicted"]:
-        assert entry["contradicted"][1:] in pages[0]
-        assert entry["contradicted"] in html.unescape(pages[1])
-    assert not any("contradicted" in report(form, []) for form in ("md", "html", "rst"))
+    pages = [report(form, [], statements) for form in ("md", "rst")]
+    assert all(counted(statements) in page for page in pages)
+    assert all(entry["contradicted"][1:] in pages[0] for entry in statements["contradicted"])
+    assert not any("contradicted" in report(form, []) for form in ("md", "rst"))

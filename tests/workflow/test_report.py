@@ -1,6 +1,5 @@
-"""The report of a run, in its files and in a browser: first page, pictures, captions, checks that can be filtered."""
+"""The report of a run, in its files and in a browser: first page, pictures, captions."""
 
-import json
 import shutil
 import zipfile
 
@@ -58,22 +57,3 @@ def test_a_picture_has_its_caption_with_values(page):
     page.locator("img[src*='fig8_08'], img[src^='data:image/png']").first.wait_for()
     tell.click()
     page.get_by_text("Values: As printed: c_x = 0 N s m⁻¹. Otherwise Table 8.1.").wait_for()
-
-
-@chromium.needs_chromium
-def test_the_table_of_checks_can_be_filtered(finished, browser):
-    results = finished[0].folder / "results"
-    address, total = (results / "checks.html").as_uri(), len(json.loads((results / "checks.json").read_text()))
-    with chromium.opened(browser, address, 390) as page:
-        said, rows = page.get_by_role("status"), page.locator("#every tbody tr:visible")
-        assert said.inner_text() == f"{total} of {total} checks are shown."
-        assert page.locator("#printed tbody tr").count() == 1
-        page.get_by_label("Figure").select_option("fig8_08")
-        shown = rows.count()
-        assert 0 < shown < total
-        assert said.inner_text() == f"{shown} of {total} checks are shown."
-        page.get_by_label("Words").fill("CRITICAL mass")
-        assert 0 < rows.count() < shown
-        page.get_by_label("only those that failed").check()
-        assert rows.count() == 0
-        assert chromium.wider_than_the_screen(page) <= 0

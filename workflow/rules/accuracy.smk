@@ -7,7 +7,7 @@ rule accuracy:
         collect("results/accuracy/figures/{figure}.{format}", figure=ACCURACY_FIGURES, format=["png", "pdf"]),
         collect("results/accuracy/datasets/{figure}.nc", figure=ACCURACY_FIGURES),
         collect("results/accuracy/checks/{figure}.json", figure=ACCURACY_FIGURES),
-        collect("results/accuracy/{name}", name=["checks.json", "checks.md", "checks.html", "verdict.txt"]),
+        collect("results/accuracy/{name}", name=["checks.json", "checks.md", "verdict.txt"]),
     message:
         "All figures of accuracy are drawn and all their checks passed"
 
@@ -53,7 +53,6 @@ use rule check as accuracy_checks with:
         json="results/accuracy/checks.json",
         text="results/accuracy/checks.md",
         printed="results/accuracy/printed.rst",
-        page="results/accuracy/checks.html",
     log:
         "logs/accuracy_checks.log",
 

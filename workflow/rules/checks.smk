@@ -2,21 +2,20 @@
 
 
 rule check:
-    """Collect the checks of all figures: for machines, as a text by figure, and as a page that can be filtered."""
+    """Collect the checks of all figures: for machines, and as a text by figure."""
     input:
         sources=source_files(imports("lsvib.datasets.checks")),
         checks=collect("results/checks/{figure}.json", figure=FIGURES),
         listed="config/chapter.yaml",
     output:
         json="results/checks.json",
-        text="results/checks.md",
-        printed="results/printed.rst",
-        page=report(
-            "results/checks.html",
+        text=report(
+            "results/checks.md",
             caption="../report/checks.rst",
             category="Checks",
-            labels={"table": "every check"},
+            labels={"text": "every check"},
         ),
+        printed="results/printed.rst",
     log:
         "logs/checks.log",
     params:

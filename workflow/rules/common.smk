@@ -263,7 +263,7 @@ def print_results(started, log=None):
         if records.exists() and records.stat().st_mtime >= started:
             checks = read_checks(records)
             print("\n".join(["", *failures(checks), *printed_thresholds(checks), counts(checks)]))
-            places = f"{folder}/figures   datasets: {folder}/datasets   every check: {folder}/checks.md, .html, .json"
+            places = f"{folder}/figures   datasets: {folder}/datasets   every check: {folder}/checks.md, .json"
             print(f"Figures: {places}")
             summary.append(verdict(checks))
     print("\n" + " ".join(summary or ["The run FAILED; the reason stands above." if log else "Done."]))

@@ -1,6 +1,6 @@
 """Checks of computed values against the chapter, kept as data: claim, expected, computed, error, tolerance, verdict.
 
-Those of a run are shown as a text by figure, and as a page with a table that can be filtered (``checks.*.j2``).
+Those of a run are shown as a text by figure, and the printed numbers as a table for a report (``checks.*.j2``).
 """
 
 import json
@@ -237,28 +237,22 @@ def printed(checks: NamedChecks) -> list[tuple[str, Check]]:
     return [pair for claim in chapter.printed() for pair in checks if pair[1].id == claim.id]
 
 
-def report(form: Literal["md", "rst", "html"], checks: NamedChecks, statements: Statements | None = None) -> str:
-    """Return checks as a page in one of three forms.
+def report(form: Literal["md", "rst"], checks: NamedChecks, statements: Statements | None = None) -> str:
+    """Return checks in one of two forms.
 
     ``md``: Markdown that reads well as text. First how many ``statements`` of the chapter have which verdict, if these
     are given, and a table of the numbers that it prints, if some are among the checks; then for each figure how many
     passed, and a line for each of them. ``rst``: the table of printed numbers in reStructuredText, for a report.
-    ``html``: a page that needs no other file: numbers, contradicted statements, then every check, in a table that can
-    be filtered by words, by figure, and for those that failed; on a phone its rows become lists.
     """
     from jinja2 import Environment, PackageLoader
 
-    def rows(some: NamedChecks) -> list[tuple[str, Check, list[str]]]:
-        return [(figure, check, _cells(figure, check)) for figure, check in some]
-
-    pages = Environment(loader=PackageLoader("lsvib.datasets", "."), autoescape=form == "html", trim_blocks=True)
+    pages = Environment(loader=PackageLoader("lsvib.datasets", "."), trim_blocks=True)
     pages.filters["flat"] = lambda words: " ".join(words.split())
     pages.filters["literal"] = lambda words: re.sub(r"([*`|_\\])", r"\\\1", words)  # no character means but itself
     return pages.get_template(f"checks.{form}.j2").render(
         verdict=verdict(checks),
-        heading="Printed by the chapter",
-        printed=rows(printed(checks)),
-        every=rows(checks),
+        printed=[(figure, check, _cells(figure, check)) for figure, check in printed(checks)],
+        every=checks,
         statements=statements,
         counted=counted(statements) if statements else "",
         figures=dict.fromkeys(figure for figure, _ in checks),
