@@ -19,9 +19,9 @@ from lsvib.basins.boundary import basin
 from lsvib.basins.curves import Window
 from lsvib.basins.grid import Axis, Grid
 from lsvib.basins.mapper import mapper
-from lsvib.datasets.sweep import ChartAxis, charted, product_of
+from lsvib.datasets.sweep import product_of
 from lsvib.dynamics.attractor import Attractor, steady_state
-from lsvib.dynamics.behaviour import Behaviour
+from lsvib.dynamics.behaviour import Behaviour, behaviours
 from lsvib.dynamics.sweep import all_endings
 from lsvib.models.drive import Drive, forget
 from lsvib.stability.force_thresholds import threshold_force
@@ -63,10 +63,11 @@ def _chart(count: int, repeats: int) -> tuple[float, int, list[float]]:
     curve = Chebyshev.interpolate(
         np.vectorize(lambda mass: threshold_force(_CHARTED.replace(mass=float(mass)), "stick")), _DEGREE, _MASSES
     )
-    x, y = ChartAxis("mass", *_MASSES, count), ChartAxis("axial_force", *_FORCES, count)
-    labels, times = _timed(lambda: charted(_CHARTED, x, y), repeats)
-    sticks = np.isin(labels, _STICKS)
-    beyond = y.centres()[:, None] > curve(x.centres())
+    x, y = (Axis("", *ends, count).centres() for ends in (_MASSES, _FORCES))
+    over = {"axial_force": y.tolist(), "mass": x.tolist()}
+    (_, labels), times = _timed(lambda: behaviours(product_of(_CHARTED, over)), repeats)
+    sticks = np.isin(labels, _STICKS).reshape(count, count)
+    beyond = y[:, None] > curve(x)
     primitive = curve.integ()
     mean = (primitive(_MASSES[1]) - primitive(_MASSES[0])) / (_MASSES[1] - _MASSES[0])
     share = (_FORCES[1] - mean) / (_FORCES[1] - _FORCES[0])

@@ -285,59 +285,34 @@ class DriveMethods(_Base):
     def sweep(
         self, *, start: Start | None = None, workers: int = 1, progress: Progress | None = None, **over: "Values"
     ) -> "xr.Dataset":
-        """Return what the drive ends on over values of some of its parameters.
+        """Return what the drive does over values of some of its parameters; over two, with the curves that divide them.
 
         Arguments:
 
         * ``over``: values [SI units] of each parameter by its name; all combinations of them are taken.
-        * ``start``: as of :meth:`simulate`, by default next to steady sliding.
+        * ``start``: as of :meth:`simulate`, of one motion of each drive. Without it a motion next to steady sliding is
+          followed, and where that comes back one from far away and one from rest, to tell what the drive does.
         * ``workers``: number of threads, which changes no number.
-        * ``progress``: called with the numbers of points done and in all.
+        * ``progress``: called with the numbers of motions done and in all.
 
         Returns a dataset over the parameters with attractor, amplitude [rad], period [s], multiplier [1],
-        peak_normal_force [N] and peak_normal_impulse [N s]. Raises ``InputError``, ``EngineError``.
+        peak_normal_force [N] and peak_normal_impulse [N s] of the motion next to steady sliding, or of that from the
+        start; without a start also with the ``behaviour`` and, over two parameters, the exact curves Γ₊ = 0, C₊ = 0 …
+        as points, where they are known (docs/charts.md). Raises ``InputError``, ``EngineError``.
 
-        >>> found = lsvib.Drive(translation_damping=1000).sweep(axial_force=[10, 30, 60])
+        >>> drive = lsvib.Drive(translation_damping=1000)
+        >>> found = drive.sweep(axial_force=[10, 30, 60])
         >>> [lsvib.Attractor(int(kind)).name for kind in found.attractor]
         ['STEADY_SLIDING', 'OTHER_CYCLE', 'STICK_SLIP_CYCLE']
+        >>> chart = drive.sweep(axial_force=[10, 30, 60], mass=[2, 12])
+        >>> chart.behaviour.flag_meanings.split()[int(chart.behaviour.sel(axial_force=10, mass=12)) + 1]
+        'vibration_from_rest'
 
-        See also: :meth:`chart`, for two parameters with the exact curves between; :meth:`steady_state`, for one drive.
+        See also: :meth:`steady_state`, for one drive.
         """
         from lsvib.datasets.sweep import sweep
 
         return sweep(self, over, start, workers, progress)
-
-    def chart(
-        self,
-        x: "str | tuple[str, float, float, int]",
-        y: "str | tuple[str, float, float, int]",
-        *,
-        workers: int = 1,
-        progress: Progress | None = None,
-    ) -> "xr.Dataset":
-        """Return what the drive does over two of its parameters, with the exact curves that divide the chart.
-
-        For rigid drives and those with compliant threads (docs/charts.md).
-
-        Arguments:
-
-        * ``x`` and ``y``: each (parameter, start, stop, number of cells) in SI units, or such text as "mass=1:20:400".
-        * number of ``workers``, which changes no label; ``progress``, called with the numbers of motions done and in
-          all.
-
-        Returns a dataset with a ``label`` for each cell (y, x) and the curves Γ₊ = 0, C₊ = 0 … as points. Raises
-        ``InputError``, ``EngineError``.
-
-        >>> found = lsvib.Drive(translation_damping=1000).chart(("mass", 1, 9, 4), ("axial_force", 0, 60, 4))
-        >>> names = found.label.flag_meanings.split()
-        >>> [names[label + 1] for label in found.label.sel(mass=2).values]
-        ['no_vibration', 'pure_slip', 'pure_slip', 'stick_slip_with_contact_reversal']
-
-        See also: :meth:`sweep`, over any number of parameters.
-        """
-        from lsvib.datasets.sweep import chart
-
-        return chart(self, x, y, workers, progress)
 
     def attraction(
         self,

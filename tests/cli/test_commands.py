@@ -10,7 +10,6 @@ from references.command_line import DRIVE, GRID, refused
 from references.drives import DRIVES, GIVEN, NEAR_FOLD, PARADOX, threads_drive
 
 import lsvib
-from lsvib.datasets.sweep import START
 from lsvib.models.description import description_of
 from lsvib.models.drive import PARTS, Drive
 
@@ -164,9 +163,10 @@ def test_a_map_its_file_and_picture_are_those_of_the_drive(run):
 def test_a_sweep_and_its_file_are_those_of_the_drive(run):
     arguments = ["sweep", "--set", "translation_damping=1000", "--over", "axial_force=1:60:30"]
     result = json.loads(run(*arguments, "--over", "mass=1:2:2", "--out", "s.nc", "--json")[1])
-    assert result["points"] == sum(result["attractors"].values()) == 60
+    assert result["points"] == sum(result["attractors"].values()) == sum(result["behaviours"].values()) == 60
+    assert "onset" in result["curves"]
     assert result["points_per_second"] > 0
-    expected = SLIDING.sweep(axial_force=np.linspace(1, 60, 30), mass=np.linspace(1, 2, 2), start=START)
+    expected = SLIDING.sweep(axial_force=np.linspace(1, 60, 30), mass=np.linspace(1, 2, 2))
     assert lsvib.open("s.nc").drop_attrs().identical(expected.drop_attrs())
     assert "points per second" in run(*arguments)[1]
 

@@ -36,7 +36,7 @@ def commands(drive, index):
     if drive.rigid:
         grid = ["--grid", "u=-0.1:0.1:4", f"w={-abs(speed)!r}:{abs(speed)!r}:4"]
         yield ["attraction", *grid, "--out", "a.nc", *whole]
-    yield ["chart", "--x", f"{forces}:4", "--y", f"{masses}:4", "--out", "c.nc", *without["axial_force", "mass"]]
+    yield ["sweep", "--over", f"{forces}:4", "--over", f"{masses}:4", *without["axial_force", "mass"]]
 
 
 def check(run, seed, index):

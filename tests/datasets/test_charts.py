@@ -12,9 +12,9 @@ from references.drives import nut_drive, support_drive, threads_drive
 
 import lsvib
 from lsvib.datasets.io import read_dataset
-from lsvib.datasets.sweep import ChartAxis, charted, write_chart
+from lsvib.datasets.sweep import product_of, write_chart
 from lsvib.dynamics.attractor import orbit_extremes
-from lsvib.dynamics.behaviour import Behaviour
+from lsvib.dynamics.behaviour import Behaviour, behaviours
 from lsvib.dynamics.impulses import event_impulses
 from lsvib.engine.motion import follow
 from lsvib.errors import NoThreshold
@@ -71,30 +71,34 @@ def expected(drive) -> Behaviour | None:
     return Behaviour.STICK_SLIP_WITH_CONTACT_REVERSAL if R < way * detach else Behaviour.STICK_SLIP
 
 
-def looked_at(x: ChartAxis, y: ChartAxis, said) -> tuple[np.ndarray, np.ndarray]:
-    """What a function of both parameters says in the middle of each cell, and whether that is what its corners say."""
+def labels_of(drive, x: tuple, y: tuple, said) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """What drives do in the middles of cells between ends of two parameters, and what a function of these says there.
+
+    And whether that is what it says at the four corners of the cell.
+    """
 
     def at(columns, rows) -> np.ndarray:
         return np.array([[said(a, b) for a in columns.tolist()] for b in rows.tolist()])
 
-    middles = at(x.centres(), y.centres())
-    nodes = at(*(axis.middles(np.arange(axis.count + 1) - 0.5) for axis in (x, y)))
+    between = {name: (values[1::2], values[::2]) for name, values in (y, x)}
+    _, labels = behaviours(product_of(drive, {name: own.tolist() for name, (own, _) in between.items()}), 2)
+    middles, nodes = (at(between[x[0]][k], between[y[0]][k]) for k in (0, 1))
     corners = np.stack([nodes[:-1, :-1], nodes[1:, :-1], nodes[:-1, 1:], nodes[1:, 1:]])
-    return middles, (corners == middles).all(axis=0)
+    return labels.reshape(middles.shape), middles, (corners == middles).all(axis=0)
 
 
 @pytest.mark.parametrize("name", PAIRS)
 def test_labels_agree_with_the_exact_curves(name):
     """In every cell that no curve cuts: one of whose four corners and middle the thresholds say the same."""
     *spans, changes = PAIRS[name]
-    x, y = (ChartAxis(*span, 12 if name == "mass and friction" else 16) for span in spans)
+    x, y = ((key, np.linspace(*ends, 25 if name == "mass and friction" else 33)) for key, *ends in spans)
     drive = lsvib.Drive(**changes)
 
     def said(a: float, b: float) -> int:
-        found = expected(drive.replace(**{x.coordinate: a, y.coordinate: b}))
+        found = expected(drive.replace(**{x[0]: a, y[0]: b}))
         return -9 if found is None else int(found)
 
-    labels, (middles, whole) = charted(drive, x, y, workers=2), looked_at(x, y, said)
+    labels, middles, whole = labels_of(drive, x, y, said)
     whole &= middles != -9
     np.testing.assert_array_equal(labels[whole], middles[whole])
     assert whole.sum() > 2 * (~whole).sum()
@@ -107,9 +111,12 @@ def test_contact_chart_agrees_with_flutter():
     The first motion begins next to steady sliding, so that it comes back to it where that is stable, and nowhere else.
     """
     names = "contact_stiffness", "contact_damping"
-    drive, x, y = threads_drive(mass=9), ChartAxis(names[0], 1e5, 1e9, 6), ChartAxis(names[1], 3e3, 1e9, 6)
-    labels, flutter = charted(drive, x, y), _function(drive, ChartBoundary.FLUTTER, names)  # zero on the curve
-    stable, whole = looked_at(x, y, lambda k, c: flutter(k, c) > 0)
+    drive, x, y = (
+        threads_drive(mass=9),
+        *zip(names, (np.geomspace(1e5, 1e9, 13), np.geomspace(3e3, 1e9, 13)), strict=True),
+    )
+    flutter = _function(drive, ChartBoundary.FLUTTER, names)  # zero on the curve
+    labels, stable, whole = labels_of(drive, x, y, lambda k, c: flutter(k, c) > 0)
     whole &= labels != Behaviour.UNRESOLVED  # one of the two motions is chaotic or too slow
     comes_back = np.isin(labels, [Behaviour.NO_VIBRATION, Behaviour.COEXISTENCE, Behaviour.VIBRATION_FROM_REST])
     np.testing.assert_array_equal(comes_back[whole], stable[whole])
@@ -133,19 +140,28 @@ def test_points_of_curves_are_roots():
             assert exact == pytest.approx(R, rel=1e-10)
 
 
-def test_a_chart_is_a_dataset_and_that_of_the_workflow(tmp_path):
+def test_a_chart_is_a_sweep_over_two_parameters_and_that_of_the_workflow(tmp_path):
     settings = {
         "drive": {"input_speed": 30.0},
         "x": {"parameter": "mass", "start": 9.0, "stop": 15.0, "count": 7},
         "y": {"parameter": "axial_force", "start": 0.0, "stop": 60.0, "count": 5},
     }
-    found = lsvib.Drive(input_speed=30).chart("mass=9:15:7", ("axial_force", 0, 60, 5), workers=3)
-    assert (found.label.dims, found.label.dtype) == (("axial_force", "mass"), np.int8)
-    assert found.fraction.sum() == pytest.approx(1)
+    found = lsvib.Drive(input_speed=30).sweep(axial_force=range(0, 61, 15), mass=range(9, 16), workers=3)
+    assert (found.behaviour.dims, found.behaviour.dtype) == (("axial_force", "mass"), np.int8)
+    assert "boundary_name" in found
     assert {"mass", "axial_force"}.isdisjoint(json.loads(found.attrs["parameters"]))
     write_chart(settings, tmp_path / "chart.nc")
     assert read_dataset(tmp_path / "chart.nc").drop_attrs().identical(found.drop_attrs())
     assert found.input_speed == 30
+
+
+@pytest.mark.parametrize("over", [
+    {"mass": [9, 9], "axial_force": [0, 60]}, {"slide_friction": [0, 20], "mass": [1, 2]},
+    {"input_speed": [-5, 5], "mass": [1, 2]}, {"screw_mass": [3, 4], "support_stiffness": [1e6, 2e6]},
+])  # fmt: skip
+def test_where_no_exact_curve_is_known_there_is_none(over):
+    found = lsvib.Drive().sweep(**over)
+    assert ("behaviour" in found, "boundary_name" in found) == (True, False)
 
 
 def test_flutter_is_traced_through_the_force_at_which_no_law_holds():
@@ -209,8 +225,8 @@ def test_same_bits_for_any_number_of_processes():
     alone, told = BASE.sweep(axial_force=forces), []
     again = BASE.sweep(axial_force=forces, workers=2, progress=lambda *numbers: told.append(numbers))
     xr.testing.assert_identical(again, alone)
-    assert told[-1] == (120, 120)
-    assert all(before[0] < after[0] <= after[1] == 120 for before, after in pairwise(told))
+    assert told[-1] == (360, 360)
+    assert all(before[0] < after[0] <= after[1] == 360 for before, after in pairwise(told))
     order = np.random.default_rng(1).permutation(120)
     xr.testing.assert_identical(BASE.sweep(axial_force=forces[order]), alone.isel(axial_force=order))
     xr.testing.assert_identical(BASE.sweep(axial_force=forces[7:8]), alone.isel(axial_force=slice(7, 8)))

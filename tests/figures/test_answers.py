@@ -26,11 +26,11 @@ ANSWERS = {  # what makes it, panels with data, words and units that they show
     ),
     "sweep": (lambda: DRIVE.sweep(axial_force=[-60, -10, 10]), 5, ["Amplitude", "[rad]", "Axial force", "[N]"]),
     "plane": (
-        lambda: DRIVE.sweep(axial_force=[-60, -10, 10], mass=[9, 11]), 2, ["What the motion ends on", "Amplitude"],
+        lambda: DRIVE.sweep(axial_force=[10, -60, -10], mass=[9, 11], start="rest"), 1, ["Axial force", "[N]", "mass"],
     ),
     "branch": (branch, 2, ["Amplitude", "Period of the cycle", "Axial force", "[s]"]),
     "chart": (
-        lambda: DRIVE.chart(("contact_stiffness", 1e6, 1e9, 3), ("contact_damping", 1e3, 1e6, 3)), 1,
+        lambda: DRIVE.sweep(contact_damping=[1e3, 3e4, 1e6], contact_stiffness=[1e6, 3e7, 1e9]), 1,
         ["Stiffness of the thread contact", "[N m⁻¹]"],
     ),
     "map": (lambda: DRIVE.attraction({"u": (-0.1, 0.1, 4), "w": (-60, 60, 4)}), 1, ["rad"]),
@@ -82,7 +82,7 @@ SPOILED = [  # kind, what is done to it, and what the sentence says, or nothing 
     ("sweep", lambda x: x.drop_vars("attractor"), "cannot be drawn; motions, sweeps"),
     ("plane", lambda x: x.expand_dims(support_damping=[1e-3, 2e-3]), "cannot be drawn; motions, sweeps"),
     ("branch", lambda x: x.assign_attrs(changes="{"), "Expecting property name"),
-    ("chart", lambda x: x.drop_vars("fraction"), "fraction"),
+    ("chart", lambda x: (x["behaviour"].attrs.pop("flag_meanings"), x)[1], "flag_meanings is missing"),
     ("map", lambda x: x.isel(angle_deviation=slice(0, 0)), "not as lsvib makes it, so it cannot be drawn"),
     ("map", lambda x: x.rename(angle_deviation="thread_mismatch"), "only maps of u and w can be drawn"),
 ]  # fmt: skip

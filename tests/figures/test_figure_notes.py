@@ -53,7 +53,7 @@ def test_a_caption_states_what_is_printed_and_what_is_assumed():
 def test_maps_and_charts_fit_the_page(tmp_path):
     drive = PARADOX
     starts = drive.attraction({"u": (-0.3, 0.3, 20), "w": (-150, 150, 20)})
-    chart = drive.chart("axial_force=-40:60:9", "mass=1:20:9")
+    chart = drive.sweep(mass=np.linspace(1, 20, 9), axial_force=np.linspace(-40, 60, 9))
     for figure, dataset in {"attraction": starts, "chart": chart}.items():
         write_dataset(dataset, tmp_path / f"{figure}.nc")
         assert_drawn_from_file(figure, tmp_path / f"{figure}.nc")

@@ -13,7 +13,7 @@ from lsvib.errors import InputError
 from lsvib.models.drive import names_and_values
 from lsvib.models.model import coordinates
 
-MOST_CELLS = 100_000_000  # of a map or chart at once; each takes some hundred bytes while it is computed
+MOST_CELLS = 100_000_000  # of a map at once; each takes some hundred bytes while it is computed
 
 
 @dataclass(frozen=True)

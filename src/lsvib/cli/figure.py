@@ -15,7 +15,7 @@ _FILES = (".nc", "_checks.json", ".png", ".pdf")  # ends of names, after that of
 
 @app.command
 def draw(
-    file: Annotated[Path, Parameter(help="netCDF file of a motion, sweep, branch of cycles, map or chart.")],
+    file: Annotated[Path, Parameter(help="netCDF file of a motion, sweep, branch of cycles or map.")],
     figure: Annotated[Path, Parameter(help="PNG file to draw it to; a PDF is written beside it.")],
 ) -> None:
     """Draw a file that another command wrote.

@@ -1,4 +1,4 @@
-"""The commands about regions: of attraction in the phase plane, of behaviour over two parameters, and resilience."""
+"""The commands about regions: of attraction in the phase plane, and resilience."""
 
 import math
 from collections.abc import Iterator
@@ -53,37 +53,6 @@ def attraction(
     result = summary(found, perf_counter() - begin)
     files.write(found if "doubt" in quantities else found.drop_vars("doubt"), "lsvib.attraction")
     show(result, as_json, text(result), out)
-
-
-@app.command
-def chart(
-    *,
-    x: options.Along,
-    y: options.Along,
-    drive: options.DriveOptions = options.CHAPTER,
-    workers: options.Workers = 1,
-    out: options.OutFile | None = None,
-    figure: options.Picture = None,
-    as_json: options.AsJson = False,
-) -> None:
-    """Chart what a drive does over two of its parameters, with the exact curves that divide the chart.
-
-    Examples of use:
-
-        lsvib chart --x mass=1:20:400 --y axial_force=-60:60:400 --set translation_damping=300 --workers 2 --out
-        chart.nc --figure chart.png
-
-        lsvib chart --x contact_stiffness=1e4:1e9:30 --y contact_damping=1:1e9:30 --set mass=9 --out
-        contacts.nc
-    """
-    from lsvib.datasets.sweep import chart_summary, chart_text
-
-    drive.refuse(x, y)
-    files, begin = options.Files(out, figure), perf_counter()
-    found = drive.drive().chart(x, y, workers=workers, progress=ProgressLine("motions"))
-    result = chart_summary(found, perf_counter() - begin)
-    files.write(found, "lsvib.chart")
-    show(result, as_json, chart_text(result))
 
 
 @app.command

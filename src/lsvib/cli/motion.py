@@ -54,13 +54,18 @@ def sweep(
     figure: options.Picture = None,
     as_json: options.AsJson = False,
 ) -> None:
-    """Sweep parameters of a drive: what the motion ends on, how large and how fast, and the forces.
+    """Sweep parameters of a drive: what it does, how large and how fast, the forces; over two, with exact curves.
+
+    Without a start what the drive does is told by motions from beside steady sliding, from far away and from rest.
 
     Examples of use:
 
         lsvib sweep --set translation_damping=1000 --over axial_force=1:60:200 --figure sweep.png
 
-        lsvib sweep --set contact_stiffness=1e8 --set mass=11 --over contact_damping=1e7:1e8:100 --workers 2
+        lsvib sweep --set translation_damping=300 --over axial_force=-60:60:400 --over mass=1:20:400 --workers 2
+        --out chart.nc --figure chart.png
+
+        lsvib sweep --set mass=9 --over contact_damping=1:1e9:30 --over contact_stiffness=1e4:1e9:30
     """
     from lsvib.datasets.sweep import summary, text
 
@@ -70,7 +75,7 @@ def sweep(
     drive.refuse(*over)
     begin, begun = perf_counter(), options.start_of(start)
     found = drive.drive().sweep(
-        start=begun, workers=workers, progress=ProgressLine("points"), **{axis.key: axis.values() for axis in over}
+        start=begun, workers=workers, progress=ProgressLine("motions"), **{axis.key: axis.values() for axis in over}
     )
     result = summary(found, perf_counter() - begin)
     files.write(found)

@@ -50,11 +50,11 @@ class Steps(NamedTuple):
     count: int  # type: ignore[assignment]  # it hides tuple.count, which nobody calls
 
     def values(self) -> "np.ndarray":
-        """Return so many values with equal steps, both ends included; raises ``InputError``."""
-        from lsvib.datasets.spans import stepped
+        """Return so many values, both ends included; raises ``InputError``."""
+        from lsvib.datasets.spans import spaced
 
-        numbers.whole_between(f"{self.key}: count", self.count, 1, 10_000_000)
-        return stepped(self.start, self.stop, self.count)
+        count = numbers.whole_between(f"{self.key}: count", self.count, 1, 10_000_000)
+        return spaced(self.key, self.start, self.stop, count)
 
 
 _READERS: dict[type, Callable[[Any], Any]] = {str: str, float: numbers.number, int: numbers.whole}
@@ -127,7 +127,6 @@ Start = Annotated[
     several(_started, "State at t = 0: u=RAD w=RAD_PER_S ..., or rest, as it is switched on.", consume_multiple=True),
 ]
 Over = Annotated[list[Steps], several(_steps, "KEY=START:STOP:COUNT: a parameter to vary; repeatable.")]
-Along = Annotated[Steps, one(_steps, "KEY=START:STOP:COUNT: the parameter along this axis, and its cells.")]
 Ends = Annotated[Span, one(_span, "KEY=LOW:HIGH: the parameter and its range, with the drive's own value.")]
 Window = Annotated[
     list[Span] | None, several(_span, "Part of the phase plane: u=LOW:HIGH w=LOW:HIGH.", consume_multiple=True)

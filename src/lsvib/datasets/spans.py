@@ -5,6 +5,9 @@ from typing import Any
 
 import numpy as np
 
+from lsvib.errors import InputError
+from lsvib.models.drive import LOGARITHMIC
+
 
 def evenly_chosen(count: int, most: int) -> np.ndarray:
     """Return the indices of at most ``most`` of ``count`` values, evenly spaced, both ends included."""
@@ -21,6 +24,18 @@ def stepped(start: float, stop: float, count: int) -> np.ndarray:
     values = np.linspace(start, stop, count)
     values[1:-1] = zero_where_rounded(values[1:-1], (stop - start) / max(count - 1, 1))
     return values
+
+
+def spaced(name: str, start: float, stop: float, count: int) -> np.ndarray:
+    """Return values of a parameter, both ends included, with equal steps; of one that spans decades in equal ratios.
+
+    Raises ``InputError``.
+    """
+    if name not in LOGARITHMIC:
+        return stepped(start, stop, count)
+    if not (start > 0 and stop > 0):
+        raise InputError(f"{name} goes from {start:g} to {stop:g}; its values have equal ratios, so both must be > 0.")
+    return np.geomspace(start, stop, count)
 
 
 def zero_where_rounded(values: np.ndarray, step: float) -> np.ndarray:

@@ -43,8 +43,10 @@ _OF_CYCLES = {
 }
 
 
-def behaviours(drives: ManyDrives, workers: int = 1, progress: Progress | None = None) -> np.ndarray:
-    """Return what drives of one model do (k, int8), a :class:`Behaviour` each.
+def behaviours(
+    drives: ManyDrives, workers: int = 1, progress: Progress | None = None
+) -> tuple[np.recarray, np.ndarray]:
+    """Return what motions next to steady sliding end on (k), and what the drives do (k, int8), a ``Behaviour`` each.
 
     Arguments: number of ``workers`` (:func:`lsvib.dynamics.sweep.all_endings`), which changes no label; ``progress``,
     called with the numbers of motions followed and the most that there may be.
@@ -74,7 +76,7 @@ def behaviours(drives: ManyDrives, workers: int = 1, progress: Progress | None =
         found[steady[vibrating(None, 2 * drives.size)]] = Behaviour.VIBRATION_FROM_REST
     if progress is not None:
         progress(most, most)
-    return found
+    return first, found
 
 
 @np.errstate(all="ignore")  # a drive whose lengths are beyond all numbers is refused with its tables

@@ -18,7 +18,7 @@ from lsvib.datasets.io import write_dataset
 from lsvib.datasets.motion import Simulation
 from lsvib.datasets.phase_plane import sample
 from lsvib.datasets.spans import stepped
-from lsvib.datasets.sweep import START, sweep
+from lsvib.datasets.sweep import sweep
 from lsvib.dynamics.attractor import Attractor, SteadyState, steady_state
 from lsvib.engine.kernels.layout import Status
 from lsvib.engine.motion import Budget, Motion
@@ -32,6 +32,7 @@ from lsvib.words import plain
 
 # Work after which what a motion ends on is unresolved, in events, without and with a friction law; the latter is that
 # of each motion which is drawn, too. A third of a second.
+_BESIDE = {"u": 1e-3, "w": 0.0}  # a start beside steady sliding: rad, and rad/s
 _MOST_WORK, _WORK_OF_LAW = 100_000, 20_000
 # Cells of the map of a drive with two states while it is dragged, a seventieth of a second (under a friction law half a
 # second), and when the hand rests, a fortieth; and of any other drive, of which every motion is followed.
@@ -162,7 +163,7 @@ def curves(view: View, values: list[float]) -> list[xr.Dataset]:
 
     Motions start next to steady sliding, and where that of the view does.
     """
-    return [sweep(view.drive, {view.over: values}, start) for start in (START, {"u": view.u, "w": view.w})]
+    return [sweep(view.drive, {view.over: values}, start) for start in (_BESIDE, {"u": view.u, "w": view.w})]
 
 
 def logarithmic(view: View) -> bool:

@@ -1,4 +1,4 @@
-"""Pictures of a user's own answers: a motion, a sweep, cycles, one that was followed, a basin, a map, a chart.
+"""Pictures of a user's own answers: a motion, a sweep, cycles, one that was followed, a basin, a map.
 
 A dataset says by its variables what it is, so a file draws itself as well as what was just computed.
 """
@@ -14,22 +14,23 @@ from lsvib.datasets.attributes import quantity
 from lsvib.datasets.io import read_dataset
 from lsvib.datasets.phase_plane import curve, orbits
 from lsvib.errors import InputError
-from lsvib.figures import attraction, chart, drawing, style
+from lsvib.figures import attraction, chart, style
 from lsvib.figures.common import flag_names, named
 from lsvib.models.drive import Drive
 from lsvib.numbers import shown
 
 _STATE = "velocity_deviation"  # which every motion has
-_CAN = "motions, sweeps of one or two parameters, cycles, branches, basins, maps of u and w, and charts can"
+_CAN = "motions, sweeps of one or two parameters, cycles, branches, basins, and maps of u and w can"
 _NUMBERS = "bfiu"  # kinds of types
 _HEIGHT, _EDGE = 1.3, 0.6  # of a panel over time, and of what is around all of them [inch]
-_LOOKS = dict(zip(attraction.COLOURS, "ovs^DP*x", strict=True))  # marks, for readers in grey
+_MARKS = "x.os^vDP*"  # of what drives do, for readers in grey
+_MARK = {"markersize": 3, "markeredgecolor": style.BLACK, "markeredgewidth": 0.3}
 
 
 def draw(answer: Any) -> style.Figure:
     """Draw what lsvib found, for a first look or a report.
 
-    Arguments: the dataset of a motion, a sweep over one or two parameters, a map of starts or a chart; what ``cycles``,
+    Arguments: the dataset of a motion, a sweep over one or two parameters, a map of starts; what ``cycles``,
     ``follow`` and ``basin`` of a drive return; or the path of a file that holds a dataset.
 
     Returns a figure of matplotlib, 7.2 inches wide, which a notebook shows. Raises ``InputError`` for anything else.
@@ -95,12 +96,12 @@ def _picture(dataset: xr.Dataset) -> style.Figure:
     if "attracting" in dataset and "changes" in dataset.attrs:
         return _branch(dataset)
     if {"label", "cycle_angle", "boundary_angle"} & set(dataset):
-        return chart.draw(dataset) if "behaviour" in dataset else attraction.draw(dataset)
+        return attraction.draw(dataset)
     swept = tuple(name for name in dataset.dims if name in Drive.model_fields)
     numbers = [name for name, x in dataset.data_vars.items() if x.dims == swept and x.dtype.kind in _NUMBERS]
     if "attractor" not in numbers or len(swept) not in (1, 2):
         raise InputError(f"a dataset over {', '.join(map(str, dataset.dims)) or 'nothing'} cannot be drawn; {_CAN}.")
-    return _curves(dataset[numbers]) if len(swept) == 1 else _plane(dataset[numbers])
+    return _curves(dataset[numbers]) if len(swept) == 1 else chart.draw(dataset)
 
 
 def _motion(dataset: xr.Dataset) -> style.Figure:
@@ -144,44 +145,21 @@ def _name(axes: style.Axes, values: xr.DataArray) -> None:
 
 
 def _curves(dataset: xr.Dataset) -> style.Figure:
-    """Each number over one parameter, in colours and marks of what the motions end on."""
-    (along,) = dataset.dims
-    numbers = [x for name, x in dataset.data_vars.items() if name != "attractor" and np.isfinite(x).any()]
+    """Each number over one parameter, in colours and marks of what the drive does."""
+    (along,), kinds = dataset.dims, chart.kinds(dataset)
+    left_out = ("attractor", "behaviour")
+    numbers = [x for name, x in dataset.data_vars.items() if name not in left_out and np.isfinite(x).any()]
     figure = style.new_figure(style.DOUBLE, _EDGE + _HEIGHT * len(numbers))
     panels = figure.subplots(len(numbers), 1, sharex=True, squeeze=False)[:, 0]
     for axes, values in zip(panels, numbers, strict=True):
-        for name in flag_names(dataset["attractor"]).values():
-            here = named(dataset["attractor"], name)
-            look = {"color": attraction.COLOURS[name], "markersize": 2.5}
+        for name, mark in zip(flag_names(kinds).values(), _MARKS, strict=False):
+            here, (colour, words) = named(kinds, name), chart.LOOKS[name]
             if here.any():
-                axes.plot(dataset[along][here], values[here], _LOOKS[name], label=name, **look)
+                axes.plot(dataset[along][here], values[here], mark, color=colour, label=words, **_MARK)
         _name(axes, values)
     panels[-1].set_xlabel(style.label(dataset[along]))
     figure.align_ylabels(panels)
     return style.legend(figure, panels[:1], 4)
-
-
-def _plane(dataset: xr.Dataset) -> style.Figure:
-    """What the motions end on over two parameters, and how large the vibration is."""
-    down, across = dataset.dims
-    figure = style.new_figure(style.DOUBLE, 3.0)
-    x, y = dataset[across], dataset[down]
-    panels = figure.subplots(1, 2, sharey=True)
-    kinds, values = dataset["attractor"], dataset["amplitude"]
-    drawing.regions(panels[0], x, y, kinds, attraction.COLOURS, shading="nearest")
-    panels[0].set_title("What the motion ends on", fontweight="normal")
-    seen = [name for value, name in flag_names(kinds).items() if (kinds == value).any()]
-    patches = drawing.patches([(attraction.COLOURS[name], None, name) for name in seen], style.BLACK)
-    mesh = panels[1].pcolormesh(
-        x, y, values.where(np.isfinite(values)), shading="nearest", cmap="viridis", rasterized=True
-    )
-    _name(panels[1], values)
-    figure.colorbar(mesh, ax=panels[1], label=panels[1].get_ylabel())
-    panels[1].set_ylabel("")
-    for axes in panels:
-        axes.set_xlabel(style.label(x))
-    panels[0].set_ylabel(style.label(y))
-    return style.legend(figure, [], 4, patches)
 
 
 def _branch(dataset: xr.Dataset) -> style.Figure:

@@ -102,8 +102,8 @@ def draw_figure(
     ``pdf``, ``caption``: files for the PDF and for the caption in reStructuredText, or None; ``resolution`` of the PNG
     [dots per inch]. Raises ``LsvibError`` about files, in one sentence.
     """
-    module = load(figure)  # the file of a map or a chart, which has no ``build``, may be a large one
-    dataset = read_dataset(dataset_file) if hasattr(module, "build") else overview(dataset_file)
+    module = load(figure)
+    dataset = overview(dataset_file) if figure == "attraction" else read_dataset(dataset_file)  # a map may be large
     style.save(module.draw(dataset), png, pdf, resolution=resolution)
     if caption is not None:
         write_text(caption_of(figure, dataset), caption)
@@ -131,9 +131,5 @@ def overview(path: File, most: int = 1000) -> xr.Dataset:
     except (OSError, RuntimeError, ValueError, KeyError) as error:
         raise InputError(f"{path} is not a readable map: {error}.") from error
     for dim, step in steps.items():
-        attrs = coarse[dim].attrs
-        if "cell_ratio" in attrs:  # cells of equal ratio, not of equal width
-            attrs["cell_ratio"] **= step
-        else:
-            attrs["cell_width"] *= step
+        coarse[dim].attrs["cell_width"] *= step
     return coarse

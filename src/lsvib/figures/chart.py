@@ -1,4 +1,4 @@
-"""Chart over two parameters: what the drive does as colour, the exact curves on top, each with its name.
+"""Sweep over two parameters: what the drive does as colour, the exact curves on top, each with its name.
 
 The rule `chart` of the workflow makes its dataset (:mod:`lsvib.datasets.sweep`).
 """
@@ -7,16 +7,17 @@ import numpy as np
 import xarray as xr
 from pydantic import Field
 
-from lsvib.figures import drawing, style
+from lsvib.figures import attraction, drawing, style
 from lsvib.figures.common import flag_names
-from lsvib.figures.settings import Cells, FigureSettings
+from lsvib.figures.settings import FigureSettings, Span
 
 CAPTION = """\
-What the drive does over two of its parameters, by up to three motions in each cell, with the exact curves that divide
+What the drive does over two of its parameters, by up to three motions of each drive, with the exact curves that divide
 it. Sects 8.5 to 8.7 give single values of these curves.
 """
 # Light where nothing vibrates, so that the eye goes to what does; distinct for the colour-blind and in grey.
-_LOOKS = {  # colour, and words of the legend
+LOOKS = {  # colour, and words of the legend
+    **{name: (colour, name) for name, colour in attraction.COLOURS.items()},
     "no vibration": ("#F4F4F4", "no vibration"),
     "pure slip": (style.YELLOW, "slip cycle"),
     "stick slip": (style.GREEN, "stick–slip"),
@@ -25,7 +26,6 @@ _LOOKS = {  # colour, and words of the legend
     "coexistence": (style.WINE, "steady sliding beside a cycle"),
     "vibration from rest": (style.PURPLE, "steady sliding, a cycle from rest"),
     "neutral": (style.BLUE, "neutral oscillations"),
-    "unresolved": (style.BLACK, "unresolved"),
 }
 _CURVES = {  # words on a curve, where they are not its name, and how it is drawn
     "onset": (r"onset, $\tilde R = 0$", "-"),
@@ -35,39 +35,61 @@ _CURVES = {  # words on a curve, where they are not its name, and how it is draw
 }
 
 
-class ParameterCells(Cells):
-    """Cells along a parameter [SI unit], of equal width; of the stiffness and damping of a contact of equal ratio."""
+class ParameterSpan(Span):
+    """Values of a parameter [SI unit], evenly spaced; of the stiffness and damping of a contact in equal ratios."""
 
     parameter: str = Field(description="Name of the parameter; lsvib checks it and its range.")
 
 
 class Settings(FigureSettings):
     drive: dict[str, float] = Field(description="Changes of the drive of Table 8.1; lsvib checks keys and ranges.")
-    x: ParameterCells = Field(description="Along the columns.")
-    y: ParameterCells = Field(description="Along the rows.")
+    x: ParameterSpan = Field(description="Along the columns.")
+    y: ParameterSpan = Field(description="Along the rows.")
+
+
+def kinds(dataset: xr.Dataset) -> xr.DataArray:
+    """Return what drives do, or of a sweep from a start what its motions end on."""
+    return dataset["behaviour"] if "behaviour" in dataset else dataset["attractor"]
 
 
 @style.styled
 def draw(dataset: xr.Dataset) -> style.Figure:
-    """Draw the chart with its curves."""
+    """Draw a sweep over two parameters with its curves."""
     figure = style.new_figure(style.DOUBLE, 4.3)
-    axes = figure.add_subplot()
-    down, across = dataset.label.dims
-    x, y = dataset[across], dataset[down]
-    colours = {name: colour for name, (colour, _) in _LOOKS.items()}
-    drawing.regions(axes, drawing.edges(x), drawing.edges(y), dataset.label, colours, zorder=0)
-    for variable, scale in ((x, axes.set_xscale), (y, axes.set_yscale)):
-        if "cell_ratio" in variable.attrs:
+    axes, found = figure.add_subplot(), kinds(dataset)
+    down, across = found.dims
+    found = found.sortby([down, across])
+    for name, scale, limit, say in (
+        (across, axes.set_xscale, axes.set_xlim, axes.set_xlabel),
+        (down, axes.set_yscale, axes.set_ylim, axes.set_ylabel),
+    ):
+        values = found[name].values
+        if _in_ratios(values):
             scale("log")
-    axes.set(
-        xlim=drawing.edges(x)[[0, -1]], ylim=drawing.edges(y)[[0, -1]], xlabel=style.label(x), ylabel=style.label(y)
-    )
+        if values.size > 1:
+            limit(values[0], values[-1])
+        say(style.label(dataset[name]))
+    names = flag_names(found)
+    colours = {name: LOOKS[name][0] for name in names.values()}
+    drawing.regions(axes, _edges(found[across].values), _edges(found[down].values), found, colours, zorder=0)
     if "boundary_name" in dataset:
         _curves(axes, dataset, across, down)
-    shares = {int(kind): float(part) for kind, part in zip(dataset.behaviour, dataset.fraction, strict=True)}
-    kinds = ((shares[kind], *_LOOKS[name]) for kind, name in flag_names(dataset.label).items())
-    looks = ((colour, None, f"{words}: {100 * share:.1f} %") for share, colour, words in kinds if share)
+    shares = {name: 100 * float((found == kind).mean()) for kind, name in names.items()}
+    looks = [(LOOKS[name][0], None, f"{LOOKS[name][1]}: {share:.1f} %") for name, share in shares.items() if share]
     return style.legend(figure, [], 2, drawing.patches(looks, style.GREY))
+
+
+def _in_ratios(values: np.ndarray) -> bool:
+    """Whether values, at least three, have equal ratios."""
+    return values.size > 2 and values[0] > 0 and bool(np.allclose(np.diff(np.log(values), 2), 0.0, atol=1e-9))
+
+
+def _edges(values: np.ndarray) -> np.ndarray:
+    """The edges of the cells around values, half way to their neighbours."""
+    if _in_ratios(values):
+        return np.exp(_edges(np.log(values)))
+    half = np.diff(values) / 2 if values.size > 1 else np.array([0.5])
+    return np.concatenate([values[:1] - half[:1], values[:-1] + half[: values.size - 1], values[-1:] + half[-1:]])
 
 
 def _curves(axes: style.Axes, dataset: xr.Dataset, across: str, down: str) -> None:

@@ -158,9 +158,6 @@ def mark_origin(axes: style.Axes) -> None:
 
 def edges(axis: xr.DataArray) -> np.ndarray:
     """Return the edges of the cells of an axis."""
-    if "cell_ratio" in axis.attrs:
-        half = float(axis.attrs["cell_ratio"]) ** 0.5
-        return np.append(axis.values / half, axis.values[-1] * half)
     half = 0.5 * float(axis.attrs["cell_width"])
     return np.append(axis.values - half, axis.values[-1] + half)
 

@@ -105,7 +105,7 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
         holding.append(motion.automaton.codes[motion.arcs()[0][0]] == MotionMode.REST)
     words = "the screw, standing in an untwisted coupling, stays at rest under the largest force of a portrait"
     holds = {"holds_without_torque": yes_no("swept_friction_coefficient", holding, words)}
-    kinds = behaviours(product_of(drives[0], {"axial_force": forces}))
+    _, kinds = behaviours(product_of(drives[0], {"axial_force": forces}))
     dim, slowest = "swept_axial_force", [s.extremes(np.array([0, 1.0, 0]))[0] for s in steady]
     net, drag = [float(coefficients(d).net_force) for d in drives], "axial force less the drag of the translation"
     curve = {

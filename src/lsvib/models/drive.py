@@ -100,6 +100,7 @@ PARTS = {
     "threads": ("contact_stiffness", "contact_damping"),
 }
 PART_OF = {name: part for part, names in PARTS.items() for name in names}
+LOGARITHMIC = PARTS["threads"]  # span many decades, so that axes of them have equal ratios in place of equal steps
 IN_WORDS = {
     "motor": "a motor with its controller",
     "support": "a compliant axial support",
@@ -486,7 +487,7 @@ def require_direction(drive: Drive) -> None:
     if not drive.input_speed:
         raise InputError(
             "input_speed = 0 holds the motor still and lets the drive go, so there is no steady sliding; set a speed, "
-            "or follow motions (simulate, sweep, attraction)."
+            "or follow motions from a start (simulate, sweep, attraction)."
         )
 
 

@@ -21,7 +21,7 @@ from contourpy import contour_generator
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.errors import NoThreshold
 from lsvib.models import friction
-from lsvib.models.drive import Drive, once, zero_if_close
+from lsvib.models.drive import LOGARITHMIC, Drive, once, zero_if_close
 from lsvib.models.mechanics import LinearParts, coefficients
 from lsvib.models.model import model_of
 from lsvib.models.thresholds import TABLE
@@ -30,8 +30,6 @@ from lsvib.stability.solve import bracketed_root
 from lsvib.stability.spectrum import enclosed, margins, polynomial, sliding_law
 from lsvib.stability.starting import runs_evenly
 
-LOGARITHMIC = ("contact_stiffness", "contact_damping")
-"""Parameters that span many decades, so that their axes have equal ratios in place of equal steps."""
 _ROUNDED = 1e-13  # of a place between two nodes, relative
 
 
