@@ -5,7 +5,8 @@ from importlib import import_module
 from pathlib import Path
 
 import lsvib
-from lsvib.models.drive import IN_WORDS, PART_OF, PARTS, Drive, allowed_range, described
+from lsvib.models.complaints import allowed_range
+from lsvib.models.drive import IN_WORDS, PART_OF, PARTS, Drive, described
 
 _GROUPS = {
     "Drives": ["Drive"],

@@ -51,7 +51,7 @@ CASES = [
     ("load", {}, "load has neither force nor mass"),
     ("load.mass", GONE, "a report needs what vibration needs; the sheet does not give load.mass"),
     ("thread.colour", "red", "thread.colour is not a known key"),
-    ("load", 5, "does not hold names and values"),
+    ("load", 5, "is not a set of names and values"),
     ("load.mass", 5, "has no unit"),
     ("load.mass", "5 N", "is not a mass"),
     ("load.mass", "5,5 kg", "is not a mass"),

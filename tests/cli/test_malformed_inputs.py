@@ -123,9 +123,11 @@ SCENES += [
 # Changes of the settings of a figure: place, value, words.
 SECTIONS = [
     (("mass", "count"), 1, f"fig8_08.mass.count = 1 {RANGE} 2 <= count"),
-    (("mass", "start"), "1e-3", "write it with a point"),
+    (("mass", "start"), "1e-3", "such as 5 or 1.0e-3"),
     (("mass", "cuont"), 5, f"fig8_08.mass.cuont {UNKNOWN}"),
-    (("dampings",), [], "at least 1"),
+    (("dampings",), [], "fig8_08.dampings = [] is not long enough; it needs at least 1."),
+    (("dampings",), [1e-4, -1], f"fig8_08.dampings.1 = -1 {RANGE} 0 <= "),
+    (("gain",), 5, f"fig8_08.gain {UNKNOWN}; the known keys are drive, "),
     (("drive",), {"mass": -1}, RANGE),
 ]
 GRID = {"u": (0, 1, 4), "w": (0, 1, 4)}

@@ -20,7 +20,8 @@ from numpy.typing import ArrayLike, NDArray
 from pydantic import BeforeValidator
 from scipy.special import ndtr, ndtri  # type: ignore[import-untyped]
 
-from lsvib.models.drive import Drive, rules_of
+from lsvib.models.complaints import bounds_of
+from lsvib.models.drive import Drive
 from lsvib.numbers import shown
 
 _KINDS = {  # of quantities, by the unit in which the package counts them, each with an example
@@ -272,7 +273,7 @@ def _positive(highest: Mapping[str, float]) -> Any:
 
 def _least(key: str) -> float:
     """The least value of a parameter of the package."""
-    return float(rules_of(Drive)[key]["minimum"])
+    return bounds_of(Drive, key)["ge"]
 
 
 LARGEST_HALF_ANGLE = math.radians(60)

@@ -13,7 +13,8 @@ from lsvib.assess.fields import Spread
 from lsvib.assess.materials import NUT_MATERIALS, SCREW_MATERIALS
 from lsvib.assess.threads import Size
 from lsvib.errors import InputError
-from lsvib.models.drive import names_and_values, sentence_about
+from lsvib.models.complaints import sentence_about
+from lsvib.models.drive import names_and_values
 from lsvib.models.pairings import PAIRINGS, stated
 from lsvib.models.scene import read_yaml
 from lsvib.numbers import shown, whole_between

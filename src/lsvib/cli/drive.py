@@ -22,7 +22,8 @@ def config(*, drive: DriveOptions = CHAPTER, scene: SceneFile = None, as_json: A
 
         lsvib config --set contact_stiffness=1e8 --set contact_damping=1e8
     """
-    from lsvib.models.drive import Drive, allowed_range, described, names_and_values
+    from lsvib.models.complaints import allowed_range
+    from lsvib.models.drive import Drive, described, names_and_values
     from lsvib.models.scene import Scene, read_yaml
 
     start = read_yaml(scene) if scene else {}

@@ -7,7 +7,8 @@ from bokeh.models import Button, CheckboxGroup, Column, Select, Slider, TextInpu
 
 from lsvib.explore.view import OF_LAW, View
 from lsvib.figures import style
-from lsvib.models.drive import IN_WORDS, PARTS, Drive, allowed_range, described, may_vanish
+from lsvib.models.complaints import allowed_range
+from lsvib.models.drive import IN_WORDS, PARTS, Drive, described, may_vanish
 
 _FROM_ZERO = {  # end of a slider whose parameter is zero: enough to change what the chapter's drive does
     "translation_damping": 2000.0,

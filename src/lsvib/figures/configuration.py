@@ -20,28 +20,10 @@ from pydantic import Field, ValidationError, create_model
 
 from lsvib.errors import InputError
 from lsvib.figures.settings import DriveChanges, FigureSettings, SettingsSection, Unique
+from lsvib.models.complaints import sentence_about
 from lsvib.numbers import shown
 
 DEFAULT = Path(__file__).with_name("config.yaml")
-_OUTSIDE = {
-    "greater_than": "{gt:.10g} < {name}",
-    "greater_than_equal": "{ge:.10g} <= {name}",
-    "less_than": "{name} < {lt:.10g}",
-    "less_than_equal": "{name} <= {le:.10g}",
-}
-_LENGTH = {"too_short": ("at least", "min_length"), "too_long": ("at most", "max_length")}
-_NO_TYPE = {  # complaint of pydantic: what the value should be
-    "float_type": "a number",
-    "int_type": "a whole number",
-    "int_from_float": "a whole number",
-    "list_type": "a list",
-    "tuple_type": "a list",
-    "string_type": "text",
-    "bool_type": "true or false",
-    "finite_number": "a finite number",
-    "model_type": "a set of names and values",
-    "dict_type": "a set of names and values",
-}
 _IN_ALL = ("work_precision", "stability_sweeps", "ablation")  # benchmarks that a bare snakemake builds, too
 _BENCHMARKS = (*_IN_ALL, "rival_verdicts", "map_precision")
 
@@ -215,35 +197,4 @@ def _checked(model: type[SettingsSection], values: Any, place: Sequence[str] = (
     try:
         return model.model_validate(values)
     except ValidationError as error:
-        raise InputError(_sentence(error, place)) from None
-
-
-def _sentence(error: ValidationError, place: Sequence[str]) -> str:
-    """Return one sentence about the first complaint of pydantic; a misspelt key goes before the one that is missing."""
-    first = min(error.errors(), key=lambda found: found["type"] == "missing")
-    sort, context = first["type"], first.get("ctx", {})
-    parts = [str(part) for part in first["loc"] if part not in ("number", "axis")]  # types tried are no part of a place
-    choices = str(context.get("expected", "")).replace("'", "").replace(" or ", ", ")
-    path, value = ".".join([*place, *parts]), shown(first["input"])
-    if parts and parts[-1] == "[key]":
-        return f"{path.removesuffix('.[key]')} is not a known key; the known keys are {choices}."
-    if sort == "of_the_key":
-        return f"{'.'.join([*place, *parts, ''])}{first['msg']}."
-    if sort == "missing":
-        return f"{path} is missing."
-    if sort in _OUTSIDE:
-        name = ".".join(parts[-1 - parts[-1].isdigit() :])
-        return f"{path} = {value} is outside the allowed range {_OUTSIDE[sort].format(name=name, **context)}."
-    if sort in _LENGTH:
-        side, bound = _LENGTH[sort]
-        return f"{path} has {len(first['input'])} entries; it needs {side} {context[bound]}."
-    if sort == "literal_error":
-        return f"{path} = {value} is not one of {choices}."
-    if sort in _NO_TYPE:
-        misread = sort == "float_type" and isinstance(first["input"], str)
-        hint = "; write it with a point, such as 1.0e-3" if misread else ""
-        return f"{path} = {value} is not {_NO_TYPE[sort]}{hint}."
-    if sort == "of_the_whole":
-        return f"{path} {first['msg']}."
-    verdict = "" if sort in ("of_the_value", "too_close_to_zero") else "is not acceptable: "
-    return f"{path} = {value} {verdict}{first['msg']}."
+        raise InputError(sentence_about(model, error, place)) from None

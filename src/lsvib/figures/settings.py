@@ -13,7 +13,8 @@ from annotated_types import Ge, Gt, Le, Lt
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, create_model, model_validator
 from pydantic_core import PydanticCustomError
 
-from lsvib.models.drive import Drive, Least, described
+from lsvib.models.complaints import Least
+from lsvib.models.drive import Drive, described
 
 _BOUNDS = (Ge, Gt, Le, Lt)
 Values = Mapping[str, Any]  # names and values, such as the settings of a figure once they are checked
@@ -22,16 +23,7 @@ Values = Mapping[str, Any]  # names and values, such as the settings of a figure
 class SettingsSection(BaseModel):
     """Names and values, immutable and checked: no other name, no text for a number, nothing infinite."""
 
-    model_config = ConfigDict(frozen=True, strict=True, allow_inf_nan=False)
-
-    @model_validator(mode="before")
-    @classmethod
-    def _names_are_known(cls, values: Any) -> Any:
-        for key in values if isinstance(values, Mapping) else ():
-            if key not in cls.model_fields:
-                context = {"key": str(key), "known": ", ".join(cls.model_fields)}
-                raise PydanticCustomError("of_the_key", "{key} is not a known key; the known keys are {known}", context)
-        return values
+    model_config = ConfigDict(frozen=True, strict=True, extra="forbid", allow_inf_nan=False)
 
 
 class FigureSettings(SettingsSection):
@@ -128,8 +120,8 @@ def several(kind: Any, least: int, most: int | None, description: str) -> Any:
 
 def parameter(key: str, *more: Any) -> Any:
     """Return the type of a parameter of a drive, with its range, and with ``more`` bounds."""
-    bounds = [bound for bound in Drive.model_fields[key].metadata if isinstance(bound, _BOUNDS)]
-    least = [bound for bound in Drive.model_fields[key].metadata if isinstance(bound, Least)]
+    found = Drive.model_fields[key].metadata
+    bounds, least = ([one for one in found if isinstance(one, kinds)] for kinds in (_BOUNDS, Least))
     words = described(key)
     description = f"{words['symbol']} [{words['unit']}]: {words['long_name']}."
     return Annotated[float, *bounds, *more, *least, Field(description=description)]

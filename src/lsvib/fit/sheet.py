@@ -23,7 +23,7 @@ from lsvib.fit.records import Record, look
 from lsvib.fit.starts import Number
 from lsvib.fit.stick_slip import StickSlip, breaking, combined, explained
 from lsvib.fit.tables import MOST_COLUMNS, REST, Point, read_table, refuse_record, row_points, steady_point
-from lsvib.models.drive import sentence_about
+from lsvib.models.complaints import sentence_about
 from lsvib.models.scene import read_yaml
 from lsvib.numbers import NotNumber, number, shown, whole
 

@@ -14,7 +14,8 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from lsvib.errors import InputError
-from lsvib.models.drive import Number, sentence_about
+from lsvib.models.complaints import sentence_about
+from lsvib.models.drive import Number
 from lsvib.models.names import Event
 from lsvib.numbers import shown
 

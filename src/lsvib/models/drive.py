@@ -5,25 +5,16 @@ A drive can be made, printed or refused without loading what makes its equations
 
 import math
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING, Annotated, Any, ParamSpec, Self, TypeVar
 
 from flint import arb
-from pydantic import (
-    BaseModel,
-    BeforeValidator,
-    ConfigDict,
-    Field,
-    GetCoreSchemaHandler,
-    GetJsonSchemaHandler,
-    ValidationError,
-)
-from pydantic_core import PydanticCustomError, core_schema
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
 
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.errors import InputError
 from lsvib.models import friction, pairings
+from lsvib.models.complaints import Least, allowed_range, bounds_of, sentence_about
 from lsvib.numbers import NotNumber, number, shown, whole
 
 P = ParamSpec("P")
@@ -47,49 +38,6 @@ def forget() -> None:
     """Forget all results of :func:`once`, so that the time to make one can be measured."""
     for clear in _forget:
         clear()
-
-
-@dataclass(frozen=True)
-class Least:
-    """The least magnitude of a parameter that is not zero."""
-
-    magnitude: float
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
-        """Check this bound after the others."""
-        return core_schema.no_info_after_validator_function(self._checked, handler(source))
-
-    def __get_pydantic_json_schema__(self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler) -> Any:
-        """Say this bound beside the others."""
-        rule = handler(schema)
-        sides: list[dict[str, float]] = [{"minimum": self.magnitude}]
-        if rule.get("minimum", 0) < 0:
-            sides.insert(0, {"maximum": -self.magnitude})
-        return {**rule, "anyOf": [{"const": 0}, *sides]}
-
-    def _checked(self, value: float) -> float:
-        if abs(value) >= self.magnitude or value == 0:
-            return value
-        raise PydanticCustomError("too_close_to_zero", "is too close to zero")
-
-
-def range_in_words(name: str, rule: Mapping[str, Any]) -> str:
-    """Return the range that a JSON schema states for a number, e.g. ``0 or 1e-18 <= |R| <= 1e+12``; empty if none."""
-    alternatives = [bound for bound in rule.get("anyOf", ()) if bound.keys() <= {"const", "minimum", "maximum"}]
-    zero, size = "", name
-    if alternatives:
-        least = alternatives[-1]["minimum"]
-        if rule.get("exclusiveMaximum") == 0:
-            rule = {"minimum": rule["minimum"], "maximum": -least}
-        elif "exclusiveMinimum" in rule:
-            rule = {"minimum": least, "maximum": rule["maximum"]}
-        else:
-            zero = "0 or " if "not" not in rule else ""
-            size = f"|{name}|" if rule["minimum"] < 0 else name
-            rule = {**rule, "minimum": least}
-    low = [f"{rule[k]:g} {sign} " for k, sign in (("minimum", "<="), ("exclusiveMinimum", "<")) if k in rule]
-    high = [f" {sign} {rule[k]:g}" for k, sign in (("maximum", "<="), ("exclusiveMaximum", "<")) if k in rule]
-    return f"{zero}{''.join(low)}{size}{''.join(high)}" if low or high else ""
 
 
 # The parameters of each part that a drive may have; the last one, its damper, is zero where only the others are given.
@@ -140,15 +88,16 @@ _RANGES: dict[str, dict[str, Any]] = {  # of inertias, springs and dampers, by t
 }
 
 
-def quantity(default: float | None, symbol: str, unit: str, long_name: str, **bounds: Any) -> Any:
+def quantity(default: float | None, symbol: str, unit: str, long_name: str, beyond: str = "", **bounds: Any) -> Any:
     """Return the field of a parameter: its default, how it is written, its SI unit, its name, and its range.
 
     The range, where it is not that of its unit, is given in words of pydantic: ``gt``, ``ge``, ``lt`` and ``le`` for >,
-    ≥, < and ≤. ``least`` is the least magnitude of a parameter that may be zero, where it is not.
+    ≥, < and ≤. ``least`` is the least magnitude of a parameter that may be zero, where it is not; ``beyond`` says in
+    words what another parameter allows.
     """
     words, bounds = {"symbol": symbol, "unit": unit, "long_name": long_name}, dict(bounds or _RANGES[unit])
     least = bounds.pop("least", 0.0)
-    field = Field(default=default, json_schema_extra={**words}, **bounds)
+    field = Field(default=default, json_schema_extra={**words, "beyond": beyond}, **bounds)
     if least:
         field.metadata.append(Least(least))
     return field
@@ -198,7 +147,9 @@ class Drive(BaseModel):
     screw_inertia: Value = quantity(3.12e-6, "I", "kg m2", "moment of inertia of the screw")
     coupling_stiffness: Value = quantity(1.0, "k", "N m rad-1", "torsional stiffness of the coupling")
     support_damping: Value = quantity(2e-4, "c", "N m s rad-1", "rotational damping of the support")
-    friction_coefficient: Value = quantity(0.218, "mu", "1", "friction coefficient of the threads", least=1e-18, ge=0)
+    friction_coefficient: Value = quantity(
+        0.218, "mu", "1", "friction coefficient of the threads", " < cot(lead_angle)", least=1e-18, ge=0
+    )
     input_speed: Value = quantity(40.0, "Omega", "rad s-1", "input angular speed", least=1e-12, ge=-1e9, le=1e9)
     mass: Value = quantity(1.0, "m", "kg", "translating mass")
     translation_damping: Value = quantity(0.0, "c_x", "N s m-1", "damping of the translating mass")
@@ -436,52 +387,6 @@ def parameters_of(drive: Drive | Mapping[str, Any] | None) -> dict[str, Any]:
     return drive.model_dump() if isinstance(drive, Drive) else names_and_values("drive", drive)
 
 
-_NO_TYPE = {
-    "string_type": "text",
-    "string_too_short": "text of one character or more",
-    "string_too_long": "text of at most {max_length} characters",
-    "tuple_type": "a list",
-    "list_type": "a list",
-    "too_short": "a list of {min_length} or more",
-    "too_long": "a list of at most {max_length}",
-}
-
-
-def sentence_about(model: type[BaseModel], error: ValidationError) -> str:
-    """Return one sentence about the first complaint of pydantic about a model, with key, value and range.
-
-    The models may lie in one another. A ``ValueError`` of a field's own is the end of the sentence.
-    """
-    # Of a misspelt key the misspelling is the news, not that the right one is missing.
-    first = min(error.errors(), key=lambda complaint: complaint["type"] == "missing")
-    cause = first.get("ctx", {}).get("error")
-    if isinstance(cause, InputError) and not isinstance(cause, NotNumber):
-        return str(cause)
-    key, kind, value = ".".join(str(part) for part in first["loc"]), first["type"], shown(first["input"])
-    if isinstance(cause, ValueError) and not isinstance(cause, InputError):
-        return f"{key} {cause}."
-    if kind in ("extra_forbidden", "invalid_key"):
-        for part in filter(lambda part: isinstance(part, str), first["loc"][:-1]):  # not the places in a list
-            annotation = model.model_fields[str(part)].annotation
-            kinds = (annotation, *getattr(annotation, "__args__", ()))
-            model = next(one for one in kinds if isinstance(one, type) and issubclass(one, BaseModel))
-        return f"{key} is not a known key; the known keys are {', '.join(model.model_fields)}."
-    if kind == "missing":
-        return f"{key} is missing."
-    if kind == "literal_error":
-        return f"{key} = {value} is not one of {first['ctx']['expected'].replace(chr(39), '')}."
-    if kind in ("model_type", "model_attributes_type", "dict_type"):
-        return f"{key} = {value} does not hold names and values."
-    if kind in _NO_TYPE:
-        return f"{key.removesuffix('.[key]')} = {value} is not {_NO_TYPE[kind].format(**first.get('ctx', {}))}."
-    allowed = allowed_range(model, key) if key in model.model_fields else ""
-    if isinstance(cause, NotNumber):
-        return f"{key} = {value} {cause}{'; the allowed range is ' if allowed else ''}{allowed}."
-    if allowed:
-        return f"{key} = {value} is outside the allowed range {allowed}."
-    return f"{key} = {value} is not acceptable: {first['msg']}."
-
-
 def require_direction(drive: Drive) -> None:
     """Raise ``InputError`` for a drive that is let go, which has no steady sliding."""
     if not drive.input_speed:
@@ -497,21 +402,9 @@ def described(key: str) -> dict[str, str]:
     return {name: str(text) for name, text in extra.items()} if isinstance(extra, dict) else {}
 
 
-@lru_cache(maxsize=64)  # pydantic takes ten milliseconds for it
-def rules_of(model: type[BaseModel]) -> dict[str, Any]:
-    """Return what the JSON schema of a model says of each parameter, such as ``minimum`` and ``maximum``."""
-    return dict(model.model_json_schema()["properties"])
-
-
-def allowed_range(model: type[BaseModel], key: str) -> str:
-    """Return the allowed range of a parameter as text, e.g. ``1e-18 <= mass <= 1e+09``; empty if it has no bounds."""
-    text = range_in_words(key, rules_of(model)[key])
-    return f"{text} < cot(lead_angle)" if key == "friction_coefficient" else text
-
-
 def may_vanish(key: str) -> bool:
     """Whether a parameter may be zero in steady sliding."""
-    return key != "input_speed" and any(isinstance(bound, Least) for bound in Drive.model_fields[key].metadata)
+    return key != "input_speed" and "least" in bounds_of(Drive, key)
 
 
 def zero_if_close(key: str, value: float) -> float:
@@ -519,5 +412,4 @@ def zero_if_close(key: str, value: float) -> float:
 
     Steps across zero and halvings of an interval towards it come there by rounding.
     """
-    least = [bound for bound in Drive.model_fields[key].metadata if isinstance(bound, Least)]
-    return 0.0 if least and abs(value) < least[0].magnitude else value
+    return 0.0 if abs(value) < bounds_of(Drive, key).get("least", 0.0) else value

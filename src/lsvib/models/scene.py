@@ -13,7 +13,8 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, SerializeAsA
 
 from lsvib.errors import InputError
 from lsvib.models.command import Command
-from lsvib.models.drive import Drive, Number, Whole, names_and_values, sentence_about
+from lsvib.models.complaints import sentence_about
+from lsvib.models.drive import Drive, Number, Whole, names_and_values
 from lsvib.models.model import Model, model_of
 from lsvib.models.names import Resume
 from lsvib.numbers import NotNumber, number

@@ -16,7 +16,8 @@ from flint import arb, fmpq, fmpq_poly
 
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.models import friction
-from lsvib.models.drive import Drive, may_vanish, rules_of
+from lsvib.models.complaints import bounds_of
+from lsvib.models.drive import Drive, may_vanish
 from lsvib.models.mechanics import LinearParts, net_force
 from lsvib.models.model import model_of
 from lsvib.stability import spectrum
@@ -183,7 +184,7 @@ class Line:
         if at_rest.get(self.unknown):  # which friction in motion is not above
             return fmpq(*at_rest[self.unknown].as_integer_ratio())
         if self.unknown not in ("friction_coefficient", "static_friction_coefficient", *friction.OF_SPEED):
-            return fmpq(*float(rules_of(Drive)[self.unknown]["maximum"]).as_integer_ratio())
+            return fmpq(*float(bounds_of(Drive, self.unknown)["le"]).as_integer_ratio())
         place = self.at(fmpq_poly([0, 1]))
         slowest = place[0]["friction_coefficient"] + place[0].get("stribeck_rise", 0)
         limits = [fmpq(10**6)]  # of the slope; more than cot λ of the least lead angle
@@ -193,9 +194,8 @@ class Line:
 
     def _speed_limits(self) -> None:
         """Narrow a parameter of the sliding speed to where μ tan λ < 1 in steady sliding."""
-        rule = rules_of(Drive)[self.unknown]
-        least = rule["anyOf"][-1]["minimum"] if "anyOf" in rule else rule["minimum"]
-        self.lowest = fmpq(*float(least).as_integer_ratio())
+        bounds = bounds_of(Drive, self.unknown)
+        self.lowest = fmpq(*float(bounds.get("least", bounds["ge"])).as_integer_ratio())
         locked = RootCondition("", lambda values, t, sense: 1 - t * _friction(values, t, sense))
         self.limit = min([*(self.roots_of(locked) or []), self.limit])
 
@@ -310,7 +310,7 @@ class Line:
     @classmethod
     def all_of(cls, drive: Drive, unknown: str) -> "list[Line]":
         """Return both sides of zero where the parameter may be negative, else the positive one."""
-        lowest = rules_of(Drive)[unknown].get("minimum", 0)
+        lowest = bounds_of(Drive, unknown).get("ge", 0)
         return [cls(drive, unknown, side) for side in ((-1, 1) if lowest < 0 else (1,))]
 
 

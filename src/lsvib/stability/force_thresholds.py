@@ -18,7 +18,8 @@ from flint import arb
 
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.errors import NoThreshold
-from lsvib.models.drive import Drive, allowed_range
+from lsvib.models.complaints import allowed_range
+from lsvib.models.drive import Drive
 from lsvib.stability.motion_equations import Return, Start
 from lsvib.stability.slip import CLOSE, SlipDrive, decay_of_large_motions, slowest_point
 from lsvib.stability.solve import bracketed_root

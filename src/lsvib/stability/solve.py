@@ -18,7 +18,8 @@ from flint import arb, arb_mat, arb_poly, arb_series, fmpq
 
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.errors import EngineError, InputError, NoThreshold
-from lsvib.models.drive import PART_OF, PARTS, Drive, rules_of, zero_if_close
+from lsvib.models.complaints import bounds_of
+from lsvib.models.drive import PART_OF, PARTS, Drive, zero_if_close
 from lsvib.numbers import bisected
 from lsvib.stability.spectrum import SAME
 
@@ -287,7 +288,7 @@ def samples(
     """
     middle = abs(getattr(drive, unknown)) or _natural(drive, unknown)
     sizes = middle * np.logspace(-decades, decades, 2 * per_decade * decades + 1)  # of 12, a fifth from one to the next
-    signs = (-1, 1) if rules_of(Drive)[unknown].get("minimum", 0) < 0 else (1,)
+    signs = (-1, 1) if bounds_of(Drive, unknown).get("ge", 0) < 0 else (1,)
     values = sorted(sign * size for sign in signs for size in sizes.tolist())
     may_be = partial(allowed, drive, unknown)
     pairs = (sorted(pair, key=may_be) for pair in pairwise(values))

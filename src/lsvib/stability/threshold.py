@@ -18,7 +18,8 @@ from flint import arb
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.errors import EngineError, InputError, NoThreshold
 from lsvib.models import chapter, friction
-from lsvib.models.drive import DRY, Drive, allowed_range, described, require_direction
+from lsvib.models.complaints import allowed_range
+from lsvib.models.drive import DRY, Drive, described, require_direction
 from lsvib.models.model import model_of
 from lsvib.models.thresholds import TABLE
 from lsvib.numbers import shown
