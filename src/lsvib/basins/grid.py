@@ -48,11 +48,7 @@ class Axis:
 
     def centres(self, first: int = 0, last: int | None = None) -> np.ndarray:
         """Return the middles of cells ``first`` to ``last`` (excluded); each from its own index, whatever the range."""
-        return self.middles(np.arange(first, self.count if last is None else last))
-
-    def middles(self, index: np.ndarray) -> np.ndarray:
-        """Return the middles of the cells of these indices."""
-        return self.start + (index + 0.5) * ((self.stop - self.start) / self.count)
+        return self.start + (np.arange(first, self.count if last is None else last) + 0.5) * self.width
 
     @property
     def width(self) -> float:

@@ -22,7 +22,9 @@ def even(settings: Mapping[str, Any]) -> np.ndarray:
 def stepped(start: float, stop: float, count: int) -> np.ndarray:
     """Return values with equal steps, both ends included; one between them that is zero but for rounding is zero."""
     values = np.linspace(start, stop, count)
-    values[1:-1] = zero_where_rounded(values[1:-1], (stop - start) / max(count - 1, 1))
+    # 10⁷ steps round at 10⁻¹⁶ of their whole length, and a value that is meant is farther off.
+    rounded = np.abs(values[1:-1]) < 1e-9 * abs(stop - start) / max(count - 1, 1)
+    values[1:-1][rounded] = 0.0
     return values
 
 
@@ -36,12 +38,6 @@ def spaced(name: str, start: float, stop: float, count: int) -> np.ndarray:
     if not (start > 0 and stop > 0):
         raise InputError(f"{name} goes from {start:g} to {stop:g}; its values have equal ratios, so both must be > 0.")
     return np.geomspace(start, stop, count)
-
-
-def zero_where_rounded(values: np.ndarray, step: float) -> np.ndarray:
-    """Return values that steps across zero make, zero where they are rounding beside a step."""
-    # 10⁷ steps round at 10⁻¹⁶ of their whole length, and a value that is meant is farther off.
-    return np.where(np.abs(values) < 1e-9 * abs(step), 0.0, values)
 
 
 def logarithmic(settings: Mapping[str, Any]) -> np.ndarray:
