@@ -11,17 +11,20 @@ from matplotlib.figure import Figure
 from lsvib.figures.configuration import default_figures, load, module_of
 from lsvib.figures.style import save
 
+_EXAMPLES = Path(__file__).parents[2] / "examples"
 _RESOLUTION = 110  # dots per inch, enough for a screen
 _HEADER = """
 Gallery
 =======
 
 Every figure that a run of the workflow draws, each with its caption, the script that makes it, and the file behind it,
-which computes the dataset, judges it, and draws the picture from it. ``lsvib figure 8.6`` makes the same files.
+which computes the dataset, judges it, and draws the picture from it. ``lsvib figure 8.6`` makes the same files. Last,
+the short scripts of ``examples``.
 """
 _SECTIONS = {
     "1_chapter": "The chapter\n-----------\n\nThe fifteen figures of chapter 8.\n",
     "2_beyond": "Beyond the chapter\n------------------\n\nWhat it says without a figure, and what goes further.\n",
+    "3_scripts": "Scripts\n-------\n\nUp to forty lines each, over what drives can be asked: to copy and to change.\n",
 }
 # The file is shown as "pyi": in what is "python", Sphinx-Gallery looks for names to link, token by token, for seconds.
 _SCRIPT = '''"""
@@ -80,7 +83,7 @@ def _words(figure: str) -> str:
 
 
 def write_scripts(source: Path, pictures: Path | None) -> None:
-    """Write the scripts of all figures into the folder ``examples`` of the sources."""
+    """Write the scripts of all figures, and those of our own ``examples``, into this folder of the sources."""
     examples = source / "examples"
     examples.mkdir()
     (examples / "GALLERY_HEADER.rst").write_text(_HEADER, encoding="utf-8")
@@ -89,8 +92,12 @@ def write_scripts(source: Path, pictures: Path | None) -> None:
         folder.mkdir()
         (folder / "GALLERY_HEADER.rst").write_text(header, encoding="utf-8")
         for figure in default_figures():
-            if figure.startswith("fig8_") == (section == "1_chapter"):
+            if section == ("1_chapter" if figure.startswith("fig8_") else "2_beyond"):
                 (folder / f"{figure}.py").write_text(script(figure, source, pictures), encoding="utf-8")
+    for path in _EXAMPLES.glob("*.py"):
+        heading = f'"""{title(path.stem)}\n{"=" * len(path.stem)}\n\n'
+        text = path.read_text(encoding="utf-8").replace('"""', heading, 1)
+        (examples / "3_scripts" / path.name).write_text(text, encoding="utf-8")
 
 
 def _get_sg_image_scraper() -> Any:

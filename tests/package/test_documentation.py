@@ -21,6 +21,16 @@ PAGES = sorted(
 # Those of docs/python.md run in tests/api/test_api.py.
 EXAMPLES = [path for path in PAGES if ">>> " in path.read_text(encoding="utf-8") and path.name != "python.md"]
 PICTURES = ROOT / "results" / "figures"
+PRINTED = {  # by each script of examples: where it says a number, and what that is by the chapter or in 40 digits
+    "basin_sweep": [("below (.*) N", -32.7708492344, 1e-5), ("or (.*) kg", 10.1, 0.0083)],
+    "falling_friction": [
+        ("unstable from (.*) N", 88.934, 1e-5),
+        ("begins at (.*) N;", 89, 0.03),
+        ("chatters from (.*) N", 73, 0.03),
+    ],
+    "limit_process": [("the power (.*)", -0.9, 0.1)],
+    "stribeck_rise": [("0.065: vibration from (.*?) N", 20, 0.027), ("0.000: .* sticking from (.*) N", 34.5, 0.035)],
+}
 needs_sphinx = pytest.mark.skipif(importlib.util.find_spec("sphinx") is None, reason="Sphinx is not installed.")
 
 
@@ -52,6 +62,15 @@ def test_the_examples_of_a_page_run(page):
     assert result.failed == 0
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("script", sorted((ROOT / "examples").glob("*.py")), ids=name)
+def test_a_script_runs_and_prints_what_is_known(script, tmp_path):
+    done = subprocess.run([sys.executable, script], cwd=tmp_path, capture_output=True, text=True, check=True)
+    for words, value, tolerance in PRINTED[script.stem]:
+        assert float(re.search(words, done.stdout)[1]) == pytest.approx(value, rel=tolerance)
+    assert {".png", ".pdf"} <= {path.suffix for path in tmp_path.iterdir()}
+
+
 @pytest.fixture(scope="module")
 def site(tmp_path_factory):
     """The pages of the site, with the pictures of a run of the workflow if there has been one, as in ``.ci/run``."""
@@ -71,7 +90,7 @@ def test_the_site_has_every_page_every_figure_and_every_public_name(site):
     pages = {path.relative_to(site).with_suffix("").as_posix() for path in site.rglob("*.html")}
     assert {path.stem for path in (ROOT / "docs").glob("*.md")} <= pages
     assert {"index", "settings", "contributing", "changelog", "parameters"} <= pages
-    assert {Path(page).name for page in pages if page.startswith("gallery/")} >= set(default_figures())
+    assert {Path(page).name for page in pages if page.startswith("gallery/")} >= {*default_figures(), *PRINTED}
     reference = (site / "api.html").read_text(encoding="utf-8")
     for public in lsvib.__all__:
         assert f'id="lsvib.{public}"' in reference
