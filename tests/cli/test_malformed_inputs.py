@@ -14,7 +14,6 @@ import lsvib
 from lsvib.basins.grid import Grid
 from lsvib.datasets.io import read_dataset
 from lsvib.figures.configuration import DEFAULT, check
-from lsvib.figures.stiff_limit import impacts
 from lsvib.models.scene import read_yaml
 
 SETTINGS = read_yaml(DEFAULT)
@@ -232,8 +231,6 @@ PYTHON = [
     (lambda: NEAR_FOLD.resilience({"u": ("a", 1), "w": (0, 1)}), "window u = "),
     *((lambda changes=changes: DRIVE(**changes).basin(), words) for changes, words in REFUSED_BASINS),
     *((lambda of=of, asked=asked: of.threshold(*asked), words) for of, asked, words in REFUSED_THRESHOLDS),
-    (lambda: next(impacts(FALLING, 40.0)), "what follows an impact holds for friction that does not depend on speed"),
-    (lambda: next(impacts(ROUGH, 40.0)), "the closed form of what follows an impact holds for static"),
     (lambda: branch("colour", (1, 2)), "colour"),
     (lambda: branch("axial_force", (-10, -5)), "holds the drive's own axial_force"),
     (lambda: branch("axial_force", (1,)), "span"),

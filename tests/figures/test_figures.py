@@ -20,7 +20,6 @@ from references.figure_checks import checks_of, dataset_of, scale, set_to
 from references.sizes import sizes
 from scipy.integrate import solve_ivp
 
-from lsvib.basins.boundary import Boundary
 from lsvib.datasets.attributes import ASSUMED, FIELDS, NO_EFFECT, VARIED, origin_of
 from lsvib.datasets.io import write_dataset
 from lsvib.datasets.newton import residual
@@ -31,7 +30,6 @@ from lsvib.figures import style
 from lsvib.figures.configuration import default_figures
 from lsvib.figures.contact_force import ForceOutcome
 from lsvib.figures.fig8_03 import Stability
-from lsvib.figures.limit_process import BranchVerdict
 from lsvib.models import mechanics, modes, rigid
 from lsvib.models.chapter import claims, listed
 from lsvib.models.drive import Drive, forget
@@ -56,10 +54,7 @@ SPOILED = [  # figure, claim of a check, and what it must refuse; below, those t
     ("fig8_13", "fig8_13.repeats", set_to("period_residual", 1e-8, 1)),
     ("fig8_14", "fig8_14.settles", set_to("event_kind", Event.STICK, 0, 0)),
     ("fig8_15", "fig8_15.critical_friction", scale("critical_friction", 1.03)),
-    ("limit_process", "limit_process.rules", set_to("rule_followed", BranchVerdict.BOTH)),
-    ("basin_sweep", "basin_sweep.damping", set_to("boundary_kind_support_damping", Boundary.CYCLE, -1)),
     ("contact_stability", "contact_stability.damped", scale("least_contact_damping", 0.1)),
-    ("falling_friction", "falling_friction.goes_on", set_to("attractor", Attractor.STEADY_SLIDING, 1)),
     ("measured_drive", "measured_drive.law", scale("residual", 1.5)),
     ("measured_drive", "measured_drive.period", scale("model_period", 1.02)),
     ("measured_drive", "measured_drive.swing", scale("swing", 1.1, slice(None), 1)),
@@ -67,7 +62,6 @@ SPOILED = [  # figure, claim of a check, and what it must refuse; below, those t
     ("measured_drive", "measured_drive.static", scale("bearing_static_friction", 0.95)),
     ("measured_drive", "measured_drive.share", scale("threads_period", 0.8, 0)),
     ("measured_drive", "measured_drive.even", scale("jerks_up_to", 0.5)),
-    ("stribeck_rise", "stribeck_rise.forces", scale("stick_force", 0.5, 0)),
     ("nut_stability", "nut_stability.classes", set_to("stability", UndampedClass.KINEMATIC_CONSTRAINT, 0, 0)),
     ("fig8_01", "contact_portraits.growth", scale("contact_force_rate", 1.1)),
     ("fig8_03", "fig8_03.inertias", scale("effective_inertia_plus", 1.001)),
@@ -105,13 +99,18 @@ SPOILED = [  # figure, claim of a check, and what it must refuse; below, those t
     ("fig8_15", "fig8_15.paradoxes", scale("screw_mass", 1.1)),
     ("nut_stability", "nut_stability.deflection", scale("steady_deflection", 1.01)),
     ("nut_stability", "nut_stability.balance", scale("steady_deflection", 1.01)),
-    ("basin_sweep", "basin_sweep.local", set_to("basin_area_axial_force", 0.0)),
-    ("basin_sweep", "basin_sweep.readings", set_to("reading_fraction", 1.0)),
+    ("fig8_14", "fig8_14.local", set_to("basin_area", 0.0)),
+    ("fig8_14", "fig8_14.force", set_to("basin_area", float("inf"))),
+    ("fig8_14", "fig8_14.small", scale("basin_fraction", 3.0)),
+    ("fig8_14", "fig8_14.readings", set_to("basin_fraction", 1.0)),
     ("contact_stability", "contact_stability.growth", scale("growth_rate", 100.0, 0, 0, -2)),
-    ("limit_process", "limit_process.stands", set_to("stop_time", float("nan"))),
-    ("limit_process", "limit_process.seizes", set_to("indeterminate_event", Event.CONTACT_REVERSAL)),
-    ("limit_process", "limit_process.turns_on", set_to("indeterminate_event", Event.STICK)),
-    ("limit_process", "limit_process.formula", scale("formula_velocity", 1.2)),
+    ("fig8_10", "impacts.converges", scale("motion_distance", 100.0)),
+    ("fig8_10", "impacts.rules", scale("motion_distance", 0.1, slice(None), -1, 1)),
+    ("fig8_10", "impacts.time", set_to("stop_time", 1e-9)),
+    ("fig8_10", "impacts.stands", set_to("stop_time", float("nan"), 0, 0)),
+    ("fig8_10", "impacts.seizes", set_to("indeterminate_event", Event.CONTACT_REVERSAL)),
+    ("fig8_10", "impacts.turns_on", set_to("indeterminate_event", Event.STICK)),
+    ("fig8_10", "impacts.formula", scale("formula_velocity", 1.2)),
 ]
 
 
@@ -250,18 +249,16 @@ _SOLVED = "under a friction law Newton's laws are solved body by body, without t
 NOT_IN = {  # figures whose datasets a quantity does not change at all, and why
     "Γ": {
         "nut_stability": "the critical values depend on where Γ vanishes, not on its size",
-        **dict.fromkeys(("falling_friction", "measured_drive"), _SOLVED),
+        "measured_drive": _SOLVED,
     },
     "N": {
         **dict.fromkeys(("fig8_01", "fig8_02"), "its contact force χ is an equation of its own (8.7)"),
         **dict.fromkeys(("fig8_03", "fig8_08", "fig8_15", "contact_stability", "nut_stability"), _NO_FORCE),
-        "basin_sweep": "it depends on where N vanishes, not on its size",
-        "limit_process": "impulses follow from the momentum, not from N",
     },
     "C": {
         **dict.fromkeys(("fig8_01", "fig8_02"), "while the contact moves the torque is constant"),
         **dict.fromkeys(("fig8_08", "fig8_15"), _UNDAMPED),
-        **dict.fromkeys(("falling_friction", "measured_drive"), _SOLVED),
+        "measured_drive": _SOLVED,
     },
     "ξ": {},
 }

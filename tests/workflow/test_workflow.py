@@ -138,10 +138,10 @@ def test_engine_is_compiled_first_for_the_figures_that_need_it(fresh):
     }
     of_eigenvalues = {"nut_stability", "contact_stability", *(f"fig8_{n}" for n in ("03", "08", "15"))}
     of_two_states = {f"fig8_{n}" for n in ("01", "02", "04", "05", "06", "07", "09", "11", "12", "14")}
-    of_more_states = {"fig8_10", "fig8_13", "limit_process"}
-    assert waiting["planar"] >= of_two_states | of_more_states | {"basin_sweep"}
+    of_more_states = {"fig8_10", "fig8_13"}
+    assert waiting["planar"] >= of_two_states | of_more_states
     assert waiting["modal"] >= of_more_states
-    assert waiting["mapper"] == {"basin_sweep", "fig8_14"}
+    assert waiting["mapper"] == {"fig8_14"}
     assert waiting["planar"].isdisjoint(of_eigenvalues)
     assert waiting["modal"].isdisjoint(of_eigenvalues | of_two_states)
 

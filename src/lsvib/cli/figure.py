@@ -33,7 +33,7 @@ def draw(
 
 @app.command
 def figure(
-    number: Annotated[str, Parameter(help="Number in the chapter, e.g. 8.6, or name, e.g. limit_process.")],
+    number: Annotated[str, Parameter(help="Number in the chapter, e.g. 8.6, or name, e.g. nut_stability.")],
     *,
     changes: Changes = None,
     config: Annotated[Path | None, Parameter(help="Settings of the figures; see below for the default.")] = None,
@@ -51,7 +51,7 @@ def figure(
 
         lsvib figure 8.9 --set support_damping=4e-4 --out mine
 
-        lsvib figure limit_process
+        lsvib figure nut_stability
     """
     from lsvib.figures.build import build_figure
     from lsvib.figures.configuration import DEFAULT, section

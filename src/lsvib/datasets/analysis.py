@@ -76,11 +76,6 @@ def value(threshold: xr.DataArray, case: int = 0) -> float:
     return found
 
 
-def least_onset_force(drive: Drive) -> float:
-    """Return the least axial force [N] with the motion, Ω > 0, at which vibration sets in."""
-    return min(x.value for x in solve_threshold(drive, "onset", "axial_force").solutions if x.value > 0)
-
-
 def _threshold(name: str, unknown: str, drives: Sequence[Drive]) -> Variables:
     """A threshold of some drives, the smallest solution of each, and its enclosure, or why there is none."""
     key, known, reasons = f"{name}_{unknown}", parameter(unknown, ""), dict[str, None]()

@@ -16,12 +16,10 @@ from lsvib.models.drive import Drive
 from lsvib.stability.boundaries import stable_set
 
 if TYPE_CHECKING:
-    from lsvib.basins.boundary import Basin
     from lsvib.dynamics.attractor import SteadyState
     from lsvib.engine.motion import Motion
-    from lsvib.figures.stiff_limit import LimitBranch
 else:  # names for annotations, which load no engine
-    Basin = LimitBranch = Motion = SteadyState = Any
+    Motion = SteadyState = Any
 
 
 @dataclass(frozen=True)
@@ -40,13 +38,6 @@ EIGENVALUE = variable("eigenvalue", np.array([1, 2]), "1", "index of the eigenva
 CRITICAL_MASS_WITH_CONTACT = (
     "kg", "mass at which steady sliding with the contact loses its stability", r"$m_\mathrm{cr}$",
 )  # fmt: skip
-BALANCE = ("1", "sum of all works over one period of the cycle, over the largest")  # unit and words
-
-
-def balance_check(cycle: str, dataset: xr.Dataset) -> Check:
-    """Return the check of ``energy_balance``, of a cycle or several that words name."""
-    worst = float(np.abs(dataset.energy_balance).max())
-    return Check.that("common.balance", worst < 1e-10, worst=worst, cycle=cycle)
 
 
 def about(module: str | None, source: str, places: str, **more: str) -> dict[str, str]:

@@ -9,7 +9,7 @@ from pydantic import Field
 from lsvib.datasets import newton, phase_plane, spans
 from lsvib.datasets.attributes import Variables, axis, drive_parameters, flagged, quantity, start_state, variable
 from lsvib.datasets.checks import Check
-from lsvib.figures import drawing, style
+from lsvib.figures import drawing, impacts, style
 from lsvib.figures import settings as of
 from lsvib.figures.common import Motion, SteadyState, about, named, printed
 from lsvib.models.chapter import claims
@@ -75,7 +75,8 @@ def build(settings: of.Values) -> xr.Dataset:
             "swept_attractor": phase_plane.attractors(dim, label),
             "swept_peak_normal_force": variable(dim, peaks, *_PEAK),
             "swept_orbit_distance": variable(dim, distances, *_DISTANCE),
-        },
+        }
+        | impacts.limit(Drive.of(settings["drive"])),
         coords={
             **axis("swept_axial_force", forces),
             **drive_parameters(drive, printed=("Sect. 8.6", "Sect. 8.6.1")),
@@ -160,12 +161,10 @@ def _peak(cycle: SteadyState) -> Variables:
 
 def _cycle_values(drive: Drive, cycle: SteadyState, rigid: SteadyState) -> tuple[float, float]:
     """Largest |N| [N] on the compliant cycle, and its distance [1] from the rigid one; nan where there is none."""
-    from lsvib.figures import stiff_limit
-
     if cycle.orbit is None or rigid.orbit is None:
         return np.nan, np.nan
     low, high = cycle.extremes(cycle.orbit.automaton.observables["normal_force"])
-    return max(-low, high), stiff_limit.distance(cycle.orbit, rigid.orbit, (rigid.amplitude, abs(drive.input_speed)))
+    return max(-low, high), impacts.distance(cycle.orbit, rigid.orbit, (rigid.amplitude, abs(drive.input_speed)))
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:
@@ -187,6 +186,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
         Check.that("fig8_10.close", numbers["orbit_distance"] <= 0.02, near=dataset.swept_orbit_distance, **numbers),
         Check.that("fig8_10.repeats", sprags.all() and residual <= 1e-9, sprags=sprags, residual=residual),
         Check.that("fig8_10.resolved", abs(highest / exact - 1) <= 1e-6, highest=highest, exact=exact),
+        *impacts.checks(dataset),
     ]
 
 

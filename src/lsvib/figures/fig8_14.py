@@ -16,10 +16,10 @@ from pydantic import Field
 
 from lsvib.datasets import newton, phase_plane, spans
 from lsvib.datasets.analysis import analyse, value
-from lsvib.datasets.attributes import Variables, attributes, flags, variable
+from lsvib.datasets.attributes import Variables, attributes, axis, flags, variable
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, style
-from lsvib.figures.common import Motion, about, flag_names, named
+from lsvib.figures.common import Motion, about, flag_names, named, spread
 from lsvib.figures.settings import Cells, MassPair, OpposingForces, PhasePlane, Values
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
@@ -39,6 +39,7 @@ time. By the sign of the contact force, the limit of a stiff contact, the screw 
 _CHANGED = ("mass", "axial_force")  # in which the cases differ
 _PRINTED = ("Fig. 8.14", "Sect. 8.6")
 _DISTANCES = np.concatenate([[0.0], np.geomspace(1e-4, 2.0, 60)])  # rad; the cycles of the figure are 0.1 rad wide
+_FORCES = np.linspace(-40.0, -0.5, 80)  # N, over which the area of the basin is computed
 _ROUNDING = 16 * np.finfo(float).eps  # of the corner: a few rounding errors of u and of the line N = 0
 _RULES = {  # colour, mark, its size, width, words
     "contact sign": (style.BLUE, "s", 7.0, 2.6, "by the sign of the contact force"),
@@ -101,6 +102,7 @@ def build(settings: Values, analysis: xr.Dataset, maps: xr.Dataset) -> xr.Datase
         _reverse_slips(drives, settings["starts"][-1], settings["duration"], settings["samples"])
         | _corners(drives)
         | _first_events(drives, maps, settings["duration"])
+        | _basins(drives, settings, threshold)
         | {
             "grid_attractor": maps.grid_attractor,
             "bracket_attractor": phase_plane.attractors(("bracket", "rule"), released, words),
@@ -146,6 +148,21 @@ def _corners(drives: Sequence[Drive]) -> Variables:
     return {
         "corner_angle": variable("case", corners, "rad", where, "$u_0$"),
         "corner_attractor": phase_plane.attractors(("case", "rule", "corner_distance"), ends, words),
+    }
+
+
+def _basins(drives: Sequence[Drive], settings: Values, threshold: float) -> Variables:
+    """The share of the window that settles, and the area over the force, also beside a threshold, in closed form."""
+    from lsvib.basins.boundary import basin
+
+    window = {x: (settings[name]["start"], settings[name]["stop"]) for x, name in (("u", "angle"), ("w", "velocity"))}
+    forces = np.unique([*_FORCES, threshold * (1 - 1e-6), threshold * (1 + 1e-6)])
+    areas = [basin(drives[-1].replace(axial_force=force)).area() for force in forces.tolist()]
+    shares, words = [basin(drive).fraction(window) for drive in drives], "area of the basin, infinite without a bound"
+    return {
+        "basin_fraction": variable("case", shares, "1", "fraction of the window that steady sliding attracts, exact"),
+        **axis("swept_axial_force", forces),
+        "basin_area": variable("swept_axial_force", areas, "rad2 s-1", words),
     }
 
 
@@ -216,6 +233,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
         Check.that("fig8_14.corner", first.all() and not second.all(axis=1).any(), **starts),
         Check.that("fig8_14.between", force[2] < beside["threshold"] < force[3], **beside),
         Check.that("fig8_14.changes", changes, **beside),
+        *_basin_checks(dataset, beside["threshold"]),
         *_accumulation_checks(dataset.isel(case=np.isfinite(dataset.seizure_ratio.values))),
     ]
 
@@ -257,6 +275,22 @@ def _event_checks(heavy: xr.Dataset) -> list[Check]:
         Check.that("fig8_14.some_starts", not straight.where(back, True).all(), counted=counted),
         Check.everywhere("fig8_14.origin", origin.values[alone.values], of),
         Check.that("fig8_14.seizes", stops, arrivals=arrivals, reversals=reversals),
+    ]
+
+
+def _basin_checks(dataset: xr.Dataset, threshold: float) -> list[Check]:
+    """Check the size of the basin, over the force and in the window, and the threshold by Newton's laws."""
+    area, force, readings = (dataset[x].values for x in ("basin_area", "swept_axial_force", "basin_fraction"))
+    bounded, local = np.isfinite(area), area[force >= threshold]
+    below, above, scaled = ~bounded[force < threshold], bounded[force >= threshold], spread((area / force**2)[bounded])
+    exactly = below.size and below.all() and above.size and above.all()
+    return [
+        newton.touching_check(dataset.isel(case=3), -1, threshold, "Force of global stability"),
+        Check.that("fig8_14.force", exactly, threshold=threshold, below=below, above=above),
+        Check.that("fig8_14.local", above.size and above.all() and local.min() > 0, area=local),
+        Check.that("fig8_14.square", scaled < 1e-12 and local.size > 1, forces=local.size, spread=scaled),
+        Check.that("fig8_14.small", 0 < readings[3] < 0.01, percent=100 * readings[3]),
+        Check.that("fig8_14.readings", (readings[:3] == 1).all() and readings[3] < 1, readings=readings),
     ]
 
 

@@ -110,7 +110,6 @@ def refusing(wrong: Callable[[Any], bool], words: str) -> AfterValidator:
 
 
 Unique = (refusing(lambda values: any(x in values[:k] for k, x in enumerate(values)), "holds an entry twice"),)
-NotZero = (refusing(lambda value: value == 0, "is not acceptable; it must not be 0"),)
 
 
 def several(kind: Any, least: int, most: int | None, description: str) -> Any:
