@@ -234,6 +234,7 @@ def test_a_sample_that_is_off_shows(name):
     assert residual(right) < 1e-12
     largest = int(abs(right[name].values).argmax())
     assert residual(scale(name, 1 + 1e-6, largest)(right)) > 1e-7
+    assert np.isnan(residual(set_to("time", np.nan)(right)))
 
 
 @pytest.mark.parametrize("name", ["mass", "friction_coefficient", "screw_inertia", "support_damping", "axial_force"])

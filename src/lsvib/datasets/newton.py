@@ -34,6 +34,8 @@ def residual(motion: xr.Dataset) -> float:
     rest, which stays within μ |N| and reaches it where the rest ends.
     """
     p, time, force = parameters(motion), motion.time.values, motion.normal_force.values
+    if np.isnan(time).any():  # of a cycle that is not there
+        return np.nan
     lead = p["pitch_radius"] * np.tan(p["lead_angle"])
     push = p["axial_force"] - lead * p["translation_damping"] * p["input_speed"]  # R less the drag of the nut
     field, *_ = _equations(p, 1 if push * p["input_speed"] >= 0 else -1, False)
