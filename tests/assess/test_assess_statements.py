@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 import yaml
-from references.random_sheets import random_sheet, sheet
+from references.random_sheets import LAW, random_sheet, sheet
 from references.sizes import sizes
 
 from lsvib.assess.assessment import assess
@@ -16,10 +16,10 @@ from lsvib.assess.output import as_json
 from lsvib.assess.quantities import lifting_efficiency, sliding_speed
 from lsvib.assess.report import report
 from lsvib.assess.sheet import Sheet
-from lsvib.assess.summary import brief
+from lsvib.assess.summary import brief, of_curve
 from lsvib.assess.vibration import tolerated_by_trial
 from lsvib.assess.window import applicable
-from lsvib.assess.words import ATTRACTORS
+from lsvib.assess.words import ATTRACTORS, percent
 from lsvib.dynamics.attractor import Attractor, steady_state
 from lsvib.errors import InputError
 from lsvib.models.model import automaton_of, model_of
@@ -28,15 +28,53 @@ from lsvib.stability.conditions import conditions
 TANGENT = math.tan(math.radians(5.57))
 
 
-def test_a_curve_counts_for_the_efficiency_at_the_running_speed():
-    """Not by the mean of its points, which lie far from the speeds that are used."""
-    given = sheet(friction={"curve": [["0 m/s", 0.25], ["1 m/s", 0.05], ["50 m/s", 0.05]]})
-    angle = math.radians(5.57)
-    sliding = sliding_speed(40.0, 5.18e-3, angle)
-    found = assess(given, samples=64)
-    expected = lifting_efficiency(0.25 - 0.2 * sliding, angle)
-    assert found.efficiency["lifting"] == pytest.approx(expected, rel=1e-12)
-    assert found.self_locking
+def rubs(given, v):
+    """Friction coefficient of the part of a sheet that has a whole law, at a sliding speed [mm/s]."""
+    level, rise, scale, slope = (getattr(given, key).nominal for key in LAW)
+    return level + rise * math.exp(-((1e-3 * v / scale) ** given.stribeck_exponent)) + slope * 1e-3 * v
+
+
+def test_the_efficiency_is_that_of_friction_at_the_running_speed():
+    given = sheet(friction=LAW)
+    sliding = sliding_speed(40.0, 5.18, math.radians(5.57))
+    expected = lifting_efficiency(rubs(given.friction, sliding), math.radians(5.57))
+    assert Draw.of(given).efficiencies[0] == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("law", "speeds"),
+    [
+        (LAW, [1.0, 5.0, 15.0, 40.0, 100.0]),
+        (LAW | {"coefficient": 0.1, "slope": "0.2 s/m", "stribeck_exponent": 2}, [1.02**k for k in range(250)]),
+        (LAW | {"slope": "0 s/m"}, [2.0, 9.0, 20.0, 60.0]),
+        (LAW | {"stribeck_rise": 0.0}, [2.0, 9.0, 60.0]),
+    ],
+)
+def test_a_curve_of_a_law_is_that_law(law, speeds):
+    """Of five points all of it, of four or three what has fewer numbers."""
+    expected = sheet(friction=law).friction
+    read = sheet(friction={"curve": [[f"{v!r} mm/s", rubs(expected, v)] for v in speeds]}).friction
+    for key in LAW if expected.stribeck_rise.nominal else ("coefficient", "stribeck_rise", "slope"):
+        assert getattr(read, key).nominal == pytest.approx(getattr(expected, key).nominal, rel=2e-6, abs=1e-8), key
+    assert read.law
+    assert read.stribeck_exponent == expected.stribeck_exponent
+
+
+@pytest.mark.parametrize(
+    ("coefficients", "poor"), [([0.2, 0.18, 0.15, 0.12, 0.1, 0.11], False), ([0.05, 0.06, 0.08, 0.1, 0.12, 0.13], True)]
+)
+def test_how_far_a_law_is_off_its_curve_is_said(coefficients, poor):
+    """No law rises fast and then slowly."""
+    pairs = list(zip((5.0, 10.0, 20.0, 40.0, 100.0, 200.0), coefficients, strict=True))
+    friction = {"curve": [[f"{v} mm/s", mu] for v, mu in pairs]}
+    given = sheet(friction=friction, operation={"speed": "4 rad/s"})
+    share, v = max((abs(rubs(given.friction, v) / mu - 1), v) for v, mu in pairs)
+    (text,) = of_curve(Draw.of(given))
+    assert f"off by {percent(share)} at most, at {v:g} mm/s" in text
+    assert ("may not be those of the curve" in text) == poor
+    assert "The threads slide at" not in text
+    given = sheet(friction=friction, operation={"speed": ["4 rad/s", "40 rad/s"]})
+    assert "slide at 20.8 mm/s to 208 mm/s, where the curve has only 5 mm/s to 200 mm/s" in of_curve(Draw.of(given))[0]
 
 
 def test_the_share_of_self_locking_threads_is_that_of_friction_above_the_tangent():
@@ -189,19 +227,6 @@ def test_a_load_that_resists_by_its_drag_alone_does_not_hide_a_vibration(changes
     corner = found.mechanisms["after_perturbation"].there
     size, _ = corner.tolerated
     assert size == (None if survived is None else pytest.approx(survived, abs=0.01))
-
-
-def test_a_fall_between_two_points_of_a_curve_is_not_passed_over():
-    """From 10.7 to 10.8 mm/s of a window from 10 to 20 mm/s; elsewhere friction is level."""
-    curve = [["0 m/s", 0.16], ["0.110 m/s", 0.16], ["0.112 m/s", 0.14], ["3 m/s", 0.14]]
-    given = {"load": {"mass": "10 kg", "force": "100 N"}, "friction": {"curve": curve}}
-    lever = 5.18e-3 * TANGENT
-    for ends, falls in (((10, 20), True), ((10, 10.65), False), ((10.9, 20), False)):
-        operation = {"speed": [f"{end} mm/s" for end in ends], "direction": "out"}
-        found = assess(sheet(**given, operation=operation), samples=64)
-        assert found.mechanisms["falling_friction"].occurs == falls
-        if falls:
-            assert 0.0106 < lever * found.mechanisms["falling_friction"].there.speed < 0.0109
 
 
 def test_every_end_of_a_motion_has_plain_words():

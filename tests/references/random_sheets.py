@@ -29,7 +29,7 @@ _PARTS: dict[str, list[Any]] = {  # what other sheets have than those of which t
                "pitch_diameter": {"low": "10 mm", "mode": "11 mm", "high": "13 mm"}}, {"pitch": "3 mm", "starts": 2,
                "nominal_diameter": ["12 mm", "12.3 mm"], "half_angle": "14.5 deg"}],
     "friction": [{"efficiency": "45 %"}, {"efficiency": {"mean": 0.3, "std": 0.01}}, {"curve": [["5 mm/s", 0.2],
-                 ["20 mm/s", 0.12], ["90 mm/s", 0.15]], "curve_factor": [0.8, 1.1]},
+                 ["20 mm/s", 0.14], ["50 mm/s", 0.12], ["90 mm/s", 0.13], ["200 mm/s", 0.15]], "static": 0.3},
                  *({"pairing": name} for name in PAIRINGS)],
     "screw": [{"length": "700 mm", "material": name, "mass": "2 kg"} for name in SCREW_MATERIALS]
              + [{"length": "400 mm", "density": ["2700 kg/m^3", "7900 kg/m^3"]}],

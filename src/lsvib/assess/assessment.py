@@ -99,7 +99,7 @@ def assess(sheet: Sheet, samples: int = 4096, seed: int = 1) -> Assessment:
     """Assess a data sheet; arguments as :func:`lsvib.assess.uncertainty.study`. Raises ``InputError``."""
     draw = Draw.of(sheet)
     _require_a_drive(draw)
-    spread, edges = study(sheet, samples, seed), margins(draw)
+    rows, spread, edges = statics(sheet), study(sheet, samples, seed), margins(draw)
     found = _mechanisms(draw, spread, edges)
     lifting, lowering = map(float, draw.efficiencies)
     cases = worst_cases(sheet, spread.lowest)
@@ -125,7 +125,7 @@ def assess(sheet: Sheet, samples: int = 4096, seed: int = 1) -> Assessment:
         uncertainty=spread,
         nominal=nominal,
         worst=worst_motion,
-        statics=statics(sheet),
+        statics=rows,
         starting=started,
         changes=advice(draw, edges[ANY], verdict == "vibrates", starts) if verdict in ("vibrates", "jerks") else [],
     )

@@ -67,7 +67,7 @@ def _fatal_ratio(draw: Draw, direction: int, most: float, drag: float) -> float 
 
     With Ω and R̃ multiplied alike every motion is; and beyond some force against the motion none ends in vibration.
     """
-    if not draw.sheet.closed or draw.sheet.friction.curve is not None:
+    if not draw.sheet.closed:
         return None
     speed, (low, high) = draw.values["speed_high"], (1e-4 * most, most)
     for _ in range(12):

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
 from functools import cache
-from itertools import pairwise
+from types import SimpleNamespace
 from typing import Annotated, Any
 
 import numpy as np
@@ -20,6 +20,8 @@ from numpy.typing import ArrayLike, NDArray
 from pydantic import BeforeValidator
 from scipy.special import ndtr, ndtri  # type: ignore[import-untyped]
 
+from lsvib.fit.law import OF_LAW, Array, law_of_curve
+from lsvib.models import friction
 from lsvib.models.complaints import bounds_of
 from lsvib.models.drive import Drive
 from lsvib.numbers import shown
@@ -307,7 +309,6 @@ Efficiency = _field("", 0.001, 0.999)
 Share = _field("", 0.0, 1.0)
 Slope = _field("s/m", -1e3, 1e3)
 SlidingSpeed = _positive({"m/s": 1e4})
-CurveFactor = _positive({"": 10.0})
 
 
 def _tilt(value: Any) -> Spread:
@@ -326,32 +327,36 @@ Tilt = Annotated[Spread, BeforeValidator(_tilt)]  # of the axis above the horizo
 
 
 @dataclass(frozen=True)
-class FrictionBySpeed:
-    """Friction coefficient [1] over the sliding speed [m/s], straight lines between points (k) in ascending order."""
+class FrictionCurve:
+    """Friction coefficients [1] over sliding speeds [m/s] (k), ascending, and the ``law`` that was fitted to them.
 
-    speeds: tuple[float, ...]
-    coefficients: tuple[float, ...]
+    It has the parameters of :mod:`lsvib.models.friction` by their names.
+    """
 
-    def at(self, sliding: Any) -> tuple[NDArray[Any], NDArray[np.float64]]:
-        """Return coefficient and slope [s/m] at sliding speeds [m/s]; constant beyond the ends."""
-        speeds, coefficients = np.array(self.speeds), np.array(self.coefficients)
-        slopes = np.concatenate([[0.0], np.diff(coefficients) / np.diff(speeds), [0.0]])
-        piece = np.searchsorted(speeds, np.real(sliding), side="right")
-        start = np.clip(piece - 1, 0, None)
-        return coefficients[start] + slopes[piece] * (sliding - speeds[start]), slopes[piece]
+    speeds: Array
+    coefficients: Array
+    law: dict[str, float]
+
+    @property
+    def worst(self) -> tuple[float, float]:
+        """How far the law is off at most, relative to the curve, and at which sliding speed [m/s]."""
+        own = friction.unbounded_coefficient(SimpleNamespace(**self.law), self.speeds)
+        share = np.abs(own / self.coefficients - 1)
+        return float(share.max()), float(self.speeds[share.argmax()])
 
 
-def _curve(value: Any) -> FrictionBySpeed:
+def friction_curve(value: Any) -> FrictionCurve:
+    """Return a curve of pairs [sliding speed, coefficient], with its law; raises ``NotQuantity``."""
     paired = isinstance(value, list) and all(isinstance(row, list) and len(row) == 2 for row in value)
-    if not paired or len(value) < 2:
-        raise NotQuantity("is not a list of at least two pairs [sliding speed, coefficient]")
-    speeds = [quantity(row[0], "m/s")[0] for row in value]
-    coefficients = [quantity(row[1], "")[0] for row in value]
-    if any(b <= a for a, b in pairwise(speeds)) or speeds[0] < 0:
-        raise NotQuantity("has sliding speeds that do not ascend from zero or above")
-    if min(coefficients) < 0 or max(coefficients) > 3:
-        raise NotQuantity("has a coefficient outside the allowed range 0 <= value <= 3")
-    return FrictionBySpeed(tuple(speeds), tuple(coefficients))
-
-
-FrictionCurve = Annotated[FrictionBySpeed, BeforeValidator(_curve)]
+    if not paired or not value:
+        raise NotQuantity("is not a list of pairs [sliding speed, coefficient]")
+    speeds, coefficients = np.array([(quantity(v, "m/s")[0], quantity(mu, "")[0]) for v, mu in value]).T
+    if not (speeds[0] >= 1e-6 and speeds[-1] <= 1e4 and (np.diff(speeds) > 0).all()):
+        raise NotQuantity(
+            "has sliding speeds that do not ascend between 1e-6 m/s and 1e4 m/s; friction at rest is static"
+        )
+    if not (coefficients.min() >= 1e-4 and coefficients.max() <= 3):
+        raise NotQuantity("has a coefficient outside the allowed range 1e-4 <= value <= 3")
+    found = law_of_curve(speeds, coefficients).values
+    law = {key: float(f"{round(found[key], 9):.6g}") for key in OF_LAW}
+    return FrictionCurve(speeds, coefficients, law | {"stribeck_exponent": int(found["stribeck_exponent"])})

@@ -220,18 +220,13 @@ class Operation:
     @cached_property
     def friction(self) -> tuple[Any, Any]:
         """Coefficient μ [1] of the square thread at the speed, not below zero, and its slope μ′ [s/m]."""
-        draw, sheet, values = self.draw, self.draw.sheet, self.draw.values
-        sliding = sliding_speed(self.speed, draw.pitch_radius, draw.lead_angle)
-        if sheet.friction.law:
+        draw, values = self.draw, self.draw.values
+        if draw.sheet.friction.law:
+            sliding = sliding_speed(self.speed, draw.pitch_radius, draw.lead_angle)
             coefficient, slope = friction.unbounded(SimpleNamespace(**draw.friction_law), sliding)
             positive = np.real(coefficient) > 0
             return np.where(positive, coefficient, 0.0), np.where(positive, slope, 0.0)
-        coefficient, slope = values["friction_coefficient"], values["friction_slope"]
-        if sheet.friction.curve is not None:
-            mean = float(np.mean(sheet.friction.curve.coefficients))
-            scale = coefficient / mean if mean > 0 else 1.0  # a curve that is zero throughout stays so
-            coefficient, slope = (scale * x for x in sheet.friction.curve.at(sliding))
-        return draw.square(coefficient), draw.square(slope)
+        return draw.square(values["friction_coefficient"]), draw.square(values["friction_slope"])
 
     @cached_property
     def parameters(self) -> dict[str, Any]:
@@ -263,8 +258,8 @@ class Operation:
     def motion(self, perturbation: float | None = vibration.NUDGE, stiff: bool = False) -> vibration.Vibration:
         """Return the motion from near steady sliding, u = 0, w = ``perturbation`` Ω, or None from rest, to its end.
 
-        ``stiff``: that of the rigid drive. Friction is that at the running speed, to which a slope or curve adds
-        nothing, unless the sheet has a law of friction.
+        ``stiff``: that of the rigid drive. Friction is that at the running speed, to which a slope adds nothing,
+        unless the sheet has a law of friction.
         """
         parts = () if stiff else self.draw.sheet.parts
         try:

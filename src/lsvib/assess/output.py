@@ -12,12 +12,12 @@ from lsvib import numbers
 from lsvib.assess.assessment import AssessedMotion, Assessment, assess
 from lsvib.assess.chart import KINDS, Chart, charts
 from lsvib.assess.margins import Margin
-from lsvib.assess.operation import Operation
+from lsvib.assess.operation import Draw, Operation
 from lsvib.assess.report import report
 from lsvib.assess.sheet import Sheet
 from lsvib.assess.starting import Starting
 from lsvib.assess.statics import Statics, statics
-from lsvib.assess.summary import brief, of_statics
+from lsvib.assess.summary import brief, of_curve, of_statics
 from lsvib.assess.uncertainty import BINS
 from lsvib.assess.words import ABOUT, QUANTITIES, VERDICTS
 from lsvib.datasets.attributes import flagged, named_index, variable
@@ -68,7 +68,7 @@ def _of_statics(sheet: Sheet) -> dict[str, Any]:
         "name": sheet.name,
         "verdict": None,
         "sentence": sentence,
-        "brief": [sentence, *of_statics(found)],
+        "brief": [sentence, *of_statics(found), *of_curve(Draw.of(sheet))],
         "statics": _statics_json(found),
         "assumptions": dict(sheet.assumptions),
         "sources": dict(sheet.sources),

@@ -115,9 +115,7 @@ def _motor(motor: Motor, entries: Values, inertia: Any, gear: Any) -> dict[str, 
 
 
 def _coefficient(sheet: Sheet, entries: Values, angle: Any, half_angle: Any) -> Any:
-    """Friction coefficient of the flanks; with a curve, its mean over the curve's points stands for the middle."""
-    if (curve := sheet.friction.curve) is not None:
-        return float(np.mean(curve.coefficients)) * entries.get("friction.curve_factor", 1.0)
+    """Friction coefficient of the flanks."""
     if sheet.friction.efficiency is not None:
         square = coefficient_from_efficiency(entries["friction.efficiency"], angle)
         return flank_coefficient(square, angle, half_angle)

@@ -12,9 +12,9 @@ from typing import Any
 from lsvib.assess import pictures
 from lsvib.assess.assessment import Assessment
 from lsvib.assess.chart import Chart
-from lsvib.assess.fields import FrictionBySpeed, Spread
+from lsvib.assess.fields import FrictionCurve, Spread
 from lsvib.assess.materials import NUT_MATERIALS
-from lsvib.assess.summary import said, templates
+from lsvib.assess.summary import of_curve, said, templates
 from lsvib.assess.threads import ThreadSize
 from lsvib.assess.words import QUANTITIES, shown
 from lsvib.errors import InputError
@@ -24,7 +24,7 @@ from lsvib.stability.conditions import stability
 
 def _page(template: str, **values: Any) -> str:
     pages = templates(html=True)
-    pages.globals |= {"pictures": pictures, "said": said, "NUT_MATERIALS": NUT_MATERIALS}
+    pages.globals |= {"pictures": pictures, "said": said, "of_curve": of_curve, "NUT_MATERIALS": NUT_MATERIALS}
     return pages.get_template(template).render(**values).lstrip()
 
 
@@ -79,7 +79,7 @@ def _entry(entry: object) -> str:
     if isinstance(entry, Spread):
         kind = "anywhere in the range" if entry.kind == "uniform" else entry.kind
         return entry.text if kind == "value" else f"{entry.text} ({kind})"
-    if isinstance(entry, FrictionBySpeed):
+    if isinstance(entry, FrictionCurve):
         points = zip(entry.speeds, entry.coefficients, strict=True)
         return "; ".join(f"{coefficient:g} at {shown(speed, 'm/s')}" for speed, coefficient in points)
     if isinstance(entry, ThreadSize):

@@ -9,7 +9,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
 
 from lsvib.assess import fields
-from lsvib.assess.fields import Spread
+from lsvib.assess.fields import NotQuantity, Spread
 from lsvib.assess.materials import NUT_MATERIALS, SCREW_MATERIALS
 from lsvib.assess.threads import Size
 from lsvib.errors import InputError
@@ -200,47 +200,52 @@ class Running(Part):
 
 
 class Friction(Part):
-    """Friction of the threads: a coefficient, or a measured efficiency, or a curve; and its slope over the speed.
+    """Friction of the threads: a coefficient or a measured efficiency, and a slope over the speed.
 
-    ``pairing``, a name of :data:`lsvib.models.pairings.PAIRINGS`, stands for the coefficient and law that it states.
-    ``curve_factor`` multiplies all coefficients of a curve, so that the curve may be uncertain as a whole. With
-    ``stribeck_rise`` or ``static`` coefficient and slope are parts of a law of the speed (docs/assess.md).
+    ``pairing``, a name of :data:`lsvib.models.pairings.PAIRINGS`, stands for the coefficient and law that it states,
+    ``curve``, coefficients over the sliding speed, for the law that fits it. With ``stribeck_rise`` or ``static``
+    coefficient and slope are parts of a law of the speed (docs/assess.md).
     """
 
     pairing: str | None = None
     coefficient: fields.Coefficient | None = None
     efficiency: fields.Efficiency | None = None
     curve: fields.FrictionCurve | None = None
-    curve_factor: fields.CurveFactor | None = None
     slope: fields.Slope | None = None
     stribeck_rise: fields.Coefficient | None = None
     stribeck_speed: fields.SlidingSpeed | None = None
     stribeck_exponent: Literal[1, 2] = 1
     static: fields.Coefficient | None = None
     _needed = (("coefficient", "efficiency", "curve"),)
-    _either = (
-        ("coefficient", "efficiency", "curve"),
-        ("curve", "efficiency", "slope", "stribeck_rise", "static"),
-        ("efficiency", "stribeck_rise", "static"),
-    )
+    _either = (("coefficient", "efficiency"), ("efficiency", "stribeck_rise", "static"))
 
     @model_validator(mode="before")
     @classmethod
-    def _named(cls, values: Any) -> Any:
-        """Put what a pairing states beside its name."""
-        if not isinstance(values, Mapping) or values.get("pairing") is None:
+    def _with_law(cls, values: Any) -> Any:
+        """Put the law beside the name of a pairing, or the curve, that stands for it."""
+        sources = [key for key in ("pairing", "curve") if isinstance(values, Mapping) and values.get(key) is not None]
+        if not sources:
             return values
-        name = values["pairing"]
-        if not isinstance(name, str) or name not in PAIRINGS:
+        values, source, name = dict(values), sources[0], values[sources[0]]
+        if source == "curve":
+            try:
+                values[source] = curve = fields.friction_curve(name)
+            except NotQuantity as error:
+                raise InputError(f"friction.curve {error}.") from None
+            law: dict[str, Any] = dict(curve.law)
+        elif isinstance(name, str) and name in PAIRINGS:
+            low, high = PAIRINGS[name].low, PAIRINGS[name].high
+            law = {**stated(name), "friction_coefficient": [low, high] if low < high else low}
+        else:
             raise InputError(f"friction.pairing = {shown(name)} is not known; lsvib pairings lists all.")
-        law = stated(name)
-        low, high = PAIRINGS[name].low, PAIRINGS[name].high
         units = {"stribeck_speed": "m/s", "friction_slope": "s/m"}
-        found = {key.removeprefix("friction_"): f"{value!r} {units.get(key, '')}" for key, value in law.items()}
-        found["coefficient"] = [low, high] if low < high else low
-        for key in found:
+        found = {
+            key.removeprefix("friction_"): f"{value!r} {units[key]}" if key in units else value
+            for key, value in law.items()
+        }
+        for key in (*found, "efficiency", *sources[1:]):
             if values.get(key) is not None:
-                raise InputError(f"friction.pairing and friction.{key} are both given; give one of them.")
+                raise InputError(f"friction.{source} and friction.{key} are both given; give one of them.")
         return {**values, **found}
 
     @property
@@ -251,11 +256,9 @@ class Friction(Part):
     @property
     def sloped(self) -> bool:
         """Whether it changes with the speed about which it slides."""
-        return any(one is not None for one in (self.curve, self.slope, self.stribeck_rise))
+        return any(one is not None for one in (self.slope, self.stribeck_rise))
 
     def _misfit(self) -> str | None:
-        if self.curve is None and self.curve_factor is not None:
-            return "friction.curve_factor needs friction.curve, whose coefficients it multiplies."
         if self.stribeck_rise is not None and self.stribeck_speed is None:
             return "friction.stribeck_rise needs friction.stribeck_speed, the sliding speed over which it fades."
         if self.stribeck_rise is None and self.model_fields_set & {"stribeck_speed", "stribeck_exponent"}:

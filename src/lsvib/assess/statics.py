@@ -138,6 +138,11 @@ def statics(sheet: Sheet) -> Statics:
     middle = _judged(draw, *_middle(_window(draw)))
     surely_pushed = _pushed(draw).any()
     draw = Draw.of(sheet, ends(sheet))
+    if sheet.friction.curve and not np.all(draw.at(1, draw.values["speed_high"], 0.0).friction[0]):
+        raise InputError(
+            f"friction.curve ends at {sheet.friction.curve.speeds[-1]:g} m/s, and the law that fits it falls to zero "
+            "before the fastest sliding of the threads; give points up to there."
+        )
     worst = _judged(draw, *_points(draw))
     rows = {key: _row(key, worst[key], middle.get(key)) for key in ABOUT if key in worst}
     holding, pushed = rows["holding_friction"], _pushed(draw)
@@ -230,10 +235,9 @@ def _judged(draw: Draw, speed: Floats, held: Floats, load: Floats) -> dict[str, 
     against = np.where(turns, against, np.inf)
     # The dampings are guesses, on which no brake should count.
     holding, braking = -needed(stuck, rest, False), -needed(left, motion, False)
-    sticks = sheet.followed or sheet.friction.curve is not None
     for name, acting, effort in (
         ("holding", holding > 0, holding),
-        ("starting", (held + standing > 0) & sticks, needed(held + standing, rest, True)),
+        ("starting", (held + standing > 0) & sheet.followed, needed(held + standing, rest, True)),
         ("lifting", (load > 0) | (not load.any()), against),
         ("lowering", (load <= 0) & (along > 0) & (load < 0).any(), along),  # most torque may be next to no load
         ("braking", (held < 0) & (braking > 0), braking),

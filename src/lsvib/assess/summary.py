@@ -10,17 +10,20 @@ from jinja2 import Environment
 from lsvib.assess import words
 from lsvib.assess.assessment import Assessment
 from lsvib.assess.margins import Margin, applied
+from lsvib.assess.operation import Draw
+from lsvib.assess.quantities import sliding_speed
 from lsvib.assess.starting import BEYOND
 from lsvib.assess.statics import Statics, lets_go
 
 EFFORTS = {"lifting": "against the load", "lowering": "with the load", "braking": "to brake, where the load turns it"}
 """What torques are for, the most demanding first."""
+POOR = 0.1  # of a coefficient: a law that is further off says something else than its curve
 
 
 def templates(html: bool) -> Environment:
     """Return what renders the templates, with the words that they use."""
     found = words.environment(Path(__file__).parent, html)
-    found.globals |= vars(words) | {"EFFORTS": EFFORTS, "BEYOND": BEYOND, "drops": drops, "inf": math.inf}
+    found.globals |= vars(words) | {"EFFORTS": EFFORTS, "BEYOND": BEYOND, "POOR": POOR, "drops": drops, "inf": math.inf}
     return found
 
 
@@ -40,12 +43,19 @@ def brief(assessment: Assessment) -> list[str]:
     told = assessment.verdict not in ("vibrates", "steady without reserve") or known
     first = f"{words.VERDICTS[assessment.verdict]} {said('from_rest', assessment.starting) if told else ''}".strip()
     changes = [said("changes", assessment)] if assessment.verdict in ("vibrates", "jerks") else []
-    return [first, *of_statics(assessment.statics), *changes]
+    return [first, *of_statics(assessment.statics), *of_curve(assessment.draw), *changes]
 
 
 def of_statics(found: Statics) -> list[str]:
     """Return what statics say: whether the load is held, torques and efficiency, limits that are exceeded."""
     return [line for name in ("holding", "effort", "limits") if (line := said(name, found))]
+
+
+def of_curve(draw: Draw) -> list[str]:
+    """Return which law stands for a curve of friction and how well, if the sheet has one."""
+    curve = draw.sheet.friction.curve
+    ends = (sliding_speed(draw.values[f"speed_{end}"], draw.pitch_radius, draw.lead_angle) for end in ("low", "high"))
+    return [said("curve", curve, *ends)] if curve else []
 
 
 def drops(assessment: Assessment, row: Margin) -> bool:

@@ -24,7 +24,7 @@ AT_ONCE = 2**17  # reserves, few enough for the processor's caches, many enough 
 _FADING = (0.05, 0.1, 0.2, 0.35, 0.6, 1.0, 1.6, 2.5, 4.0, 7.0)  # of the speed over which a rise of friction fades
 _SHARES = np.linspace(0, 1, 8)[1:-1]  # of the window, in logarithm
 _GOLDEN = 0.5 * (math.sqrt(5) - 1)
-_BESIDE = 1e-9  # how near to a point of a curve, or to R̃ = 0, relative: far above rounding
+_BESIDE = 1e-9  # how near to R̃ = 0, or to a law of zero, relative: far above rounding
 
 
 @dataclass(frozen=True)
@@ -87,11 +87,7 @@ def _own_speeds(draw: "Draw") -> list[Array]:
     """Speeds [rad/s] over which friction is looked at (k, ...): the ends of the window, and what friction has."""
     given, sliding = draw.sheet.friction, sliding_speed(1.0, draw.pitch_radius, draw.lead_angle)
     low, high = draw.values["speed_low"], draw.values["speed_high"]
-    steps = np.linspace(0.0, 1.0, 2 if given.curve is None else 17)  # between points of a curve only its level changes
-    rows = [low + np.multiply.outer(steps, high - low)]
-    if given.curve is not None:
-        beside = np.multiply.outer(given.curve.speeds, (1 - _BESIDE, 1 + _BESIDE)).ravel()
-        rows.append(np.divide.outer(beside, sliding))
+    rows = [low + np.multiply.outer((0.0, 1.0), high - low)]
     if given.law:
         rows.append(low * (high / low) ** np.reshape(_SHARES, (-1, *np.ndim(low) * (1,))))
         if given.stribeck_rise is not None:

@@ -45,6 +45,7 @@ PARAMETERS = {  # unit and words, those of the law as parameters of a drive have
     "offset": ("N m", "zero error of the torque"),
 }
 OF_RISE = ("stribeck_rise", "stribeck_speed")
+OF_LAW = ("friction_coefficient", *OF_RISE, "friction_slope")
 PAIRS = (("friction_coefficient", "coulomb"), ("friction_slope", "viscous"))  # of the threads, and of the bearing
 STATIC = ("static_friction_coefficient", "bearing_static_friction")  # likewise
 DETERMINED = 0.1  # of the typical torque: largest standard error of what counts as determined
@@ -85,8 +86,10 @@ class Measured:
     @property
     def speeds(self) -> Array:
         """The different speeds |ω|, ascending [rad/s]."""
-        found = np.unique(np.abs(self.speed))
-        return np.asarray(found[np.append(True, np.diff(found) > SAME_SPEED * found[1:])])
+        found, kept = np.unique(np.abs(self.speed)), [0]
+        while (k := int(np.searchsorted(found, found[kept[-1]] * (1 + SAME_SPEED)))) < found.size:
+            kept.append(k)
+        return np.asarray(found[kept])
 
     @property
     def sizes(self) -> dict[str, float]:
@@ -252,6 +255,23 @@ def fitted(measured: Measured, given: Mapping[str, float] | None = None) -> Fit:
     _same_sign(measured, found)
     unknown = tuple(name for name in PARAMETERS if name not in fixed)
     return Fit(measured, found, lost, unknown, singular, bool(fixed.get("stribeck_rise", 1.0)), next(iter(near), None))
+
+
+def law_of_curve(speeds: Array, coefficients: Array) -> Solution:
+    """Fit the friction law to a table of coefficients over sliding speeds [m/s], ascending, both above zero.
+
+    Of four speeds the law has a rise or a slope, of three a slope. Raises ``InputError`` for fewer.
+    """
+    # The torque of a screw of 1 m without lead under 1 N is the coefficient.
+    measured = Measured(speeds, coefficients, np.ones(speeds.size), pitch_radius=1.0, lead_angle=1e-15)
+    count, drag = measured.speeds.size, dict.fromkeys(("coulomb", "viscous", "offset"), 0.0)
+    if count < 3:
+        raise InputError(
+            "friction.curve needs points at three sliding speeds or more, each 5 % above the last; of fewer give "
+            "friction.coefficient and friction.slope."
+        )
+    without = ("stribeck_rise", "friction_slope")[: count - 2] if count < 5 else ("offset",)
+    return min((fitted(measured, {**drag, name: 0.0}).main for name in without), key=lambda found: found.rms)
 
 
 def _enough(measured: Measured, known: Mapping[str, float]) -> None:
