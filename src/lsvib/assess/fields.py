@@ -130,6 +130,7 @@ _FORMS = {
     "normal": ("mean", "std"),
     "lognormal": ("median", "factor"),
 }
+TAIL = 4.0  # standard deviations at which a normal distribution is cut off: 6e-5 of it lie beyond
 
 
 @dataclass(frozen=True)
@@ -137,8 +138,8 @@ class Spread:
     """A quantity in the unit ``unit`` of the package: ``kind`` is value or a name of a distribution.
 
     ``numbers`` are its parameters, in the order of low, high (uniform), low, mode, high (triangular), mean, standard
-    deviation (normal), median, factor of one standard deviation (lognormal); ``low`` and ``high`` its ends, where the
-    last two are cut off at four standard deviations and at the ends of the allowed range. ``text``: as it was written.
+    deviation (normal), median, factor of one standard deviation (lognormal); ``low`` and ``high`` its ends, of the last
+    two :data:`TAIL` standard deviations off. ``text``: as it was written.
     """
 
     kind: str
@@ -172,15 +173,9 @@ class Spread:
             rising = low + np.sqrt(share * (high - low) * (mode - low))
             falling = high - np.sqrt((1 - share) * (high - low) * (high - mode))
             return np.where(share * (high - low) < mode - low, rising, falling)
-        below, above = ndtr(self._score(self.low)), ndtr(self._score(self.high))
-        score = ndtri(below + share * (above - below))
-        middle, width = self.numbers
+        score, (middle, width) = ndtri(ndtr(-TAIL) + share * (ndtr(TAIL) - ndtr(-TAIL))), self.numbers
         values = middle + width * score if self.kind == "normal" else middle * width**score
         return np.asarray(np.clip(values, self.low, self.high))
-
-    def _score(self, value: float) -> float:
-        middle, width = self.numbers
-        return (value - middle) / width if self.kind == "normal" else float(np.log(value / middle) / np.log(width))
 
 
 def spread(value: Any, *units: str, check: Callable[[float, str], None]) -> Spread:
@@ -231,9 +226,8 @@ def _ends(kind: str, figures: list[float], unit: str, check: Callable[[float, st
     check(middle, unit)
     if not width > (0 if kind == "normal" else 1):
         raise NotQuantity(f"has {_FORMS[kind][1]} = {width:g}, which is not above {0 if kind == 'normal' else 1}")
-    tail = 4.0  # standard deviations at which a normal distribution is cut off: 6e-5 of it lie beyond
-    normal = (middle - tail * width, middle + tail * width)
-    low, high = normal if kind == "normal" else (middle / width**tail, middle * width**tail)
+    normal = (middle - TAIL * width, middle + TAIL * width)
+    low, high = normal if kind == "normal" else (middle / width**TAIL, middle * width**TAIL)
     for end in (low, high):
         try:
             check(end, unit)
