@@ -44,15 +44,12 @@ def fit_variables(fit: Fit, points: Sequence[Point]) -> tuple[Variables, Variabl
             "rank", fit.singular_values, "1", "singular value of the scaled Jacobian by all unknown numbers"
         ),
     }  # fmt: skip
-    for name, (unit, words) in PARAMETERS.items():
-        values, errors = [end.values[name] for end in ends], [end.errors.get(name, 0.0) for end in ends]
+    static = (("1", "static friction coefficient of the threads"), ("N m", "static friction of the bearing"))
+    for name, (unit, words) in (PARAMETERS | dict(zip(STATIC, static, strict=True))).items():
+        known = [{key: (x, end.errors.get(key, 0.0)) for key, x in end.values.items()} | end.static for end in ends]
+        values, errors = np.array([one.get(name, (math.nan, math.nan)) for one in known]).T
         variables[f"fitted_{name}"] = variable("end", values, unit, f"fitted {words}")
         variables[f"fitted_{name}_error"] = variable("end", errors, unit, f"standard error of the {words}")
-    static = (("1", "static friction coefficient of the threads"), ("N m", "static friction of the bearing"))
-    for name, (unit, words) in zip(STATIC, static, strict=True):
-        pairs = np.array([end.static.get(name, (math.nan, math.nan)) for end in ends])
-        variables[f"fitted_{name}"] = variable("end", pairs[:, 0], unit, f"fitted {words}")
-        variables[f"fitted_{name}_error"] = variable("end", pairs[:, 1], unit, f"standard error of the {words}")
     coordinates: Variables = {
         "end": named_index("end", "end of what the data leave open", list(fit.ends)),
         "load_case": variable("load_case", loads, "N", "axial load of the fitted law", "$W$"),

@@ -25,7 +25,7 @@ from lsvib.fit.stick_slip import StickSlip, breaking, combined, explained
 from lsvib.fit.tables import MOST_COLUMNS, REST, Point, read_table, refuse_record, row_points, steady_point
 from lsvib.models.complaints import sentence_about
 from lsvib.models.scene import read_yaml
-from lsvib.numbers import NotNumber, number, shown, whole
+from lsvib.numbers import number, shown, whole
 
 MOST_FILES = 1000  # of one sheet, and of points some million
 MOST_STARS = 4  # of a pattern of files: more take for ever to look for
@@ -40,20 +40,14 @@ OF_FLANKS = {  # entries of `friction`, coefficients of a flank, and the paramet
 
 
 def _factor(value: Any) -> float:
-    try:
-        found = number(value)
-    except NotNumber as error:
-        raise NotQuantity(f"= {shown(value)} {error}") from None
+    found = number(value)
     if not (math.isfinite(found) and found):
         raise NotQuantity(f"= {shown(value)} is outside the allowed range: any finite number but 0")
     return found
 
 
 def _column(value: Any) -> int:
-    try:
-        found = whole(value)
-    except NotNumber as error:
-        raise NotQuantity(f"= {shown(value)} {error}") from None
+    found = whole(value)
     if not 1 <= found <= MOST_COLUMNS:
         raise NotQuantity(f"= {found} is outside the allowed range 1 <= column <= {MOST_COLUMNS}")
     return found
