@@ -1,43 +1,86 @@
-"""How far a motion is from the true one, and the verdict on it: of a race, of a method that is asked, of the engine.
+"""What judges compare of a motion, whoever computed it, how far it is from the true one, and all verdicts on it.
 
-In a *race* the events must be those of the true motion in any order, and so must the steady amplitude; errors are
-numbers. A method that is *asked* is judged by its own tolerance: an error of up to ``GENEROSITY`` times it is right,
-events that are closer together than that part of the duration may come in any order, and events that are as close to
-the start or the end may be missing. The engine must have all events in order (:mod:`benchmarks.sweeps.case_judge`).
+In a race the events must be those of the true motion in any order, and the steady amplitude must be its amplitude. In
+sweeps the engine must have all events in order (:mod:`benchmarks.sweeps.case_judge`).
 """
 
 import math
-from collections.abc import Iterator, Sequence
-from itertools import product
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from enum import IntEnum
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from benchmarks.record import Record, Verdict
-
-GENEROSITY = 1000.0  # An error of so many times a method's own tolerance is still right.
+_STOPS = ("stick", "reversal", "seizure")  # events at which θ′ arrives at zero
+QUARTILES = (0.25, 0.5, 0.75)
 CORNER = "corner"  # stands for events that follow each other at once
 _AMPLITUDE = 0.05  # a steady amplitude that is further off, in sizes of the motion, belongs to another attractor
-# What may become of a method that is asked; INACCURATE: the right events, an error above what it was asked for.
-VERDICTS = (Verdict.RIGHT, Verdict.INACCURATE, Verdict.OTHER_EVENTS, Verdict.OTHER_MOTION, Verdict.GAVE_UP)
+
+
+class Verdict(IntEnum):
+    """What became of an answer that was compared with another one; a comparison uses those that it can tell apart."""
+
+    NOT_RUN = -1
+    RIGHT = 0
+    REFUSED = 1  # one clear sentence instead of an answer
+    BEYOND_INPUT = 2  # the digits that decide are not in the input
+    CORNER = 3  # other events within an instant, where two guards meet or events accumulate; the same before and after
+    INACCURATE = 4  # the right events, an error above the tolerance
+    WRONG = 5  # other events, or another answer
+    UNBALANCED = 6  # right events, time and state, but the energy of the motion does not balance
+    OTHER_EVENTS = 7  # events missed or invented, but the motion goes on or ends as it should
+    OTHER_MOTION = 8  # another end or another steady amplitude, or motion where there is none
+    GAVE_UP = 9  # too much time or effort, a step that cannot be made, an endless chain of events, overflow
+
+
+@dataclass(frozen=True)
+class Record:
+    """A motion as far as it is compared.
+
+    ``kinds`` (names) and ``times`` [s] of its events, with a second body the mode after the event and whether it is a
+    seizure, None for a method without events; ``end`` (n): final state; ``size`` (n): of each coordinate;
+    ``complete``: False if it was cut off after too many events, and then there is no final state to compare;
+    ``stops``: how often θ′ arrived at zero; ``extremes``: smallest and largest u [rad] once the scene is steady;
+    ``failure``: why a method gave up, else empty.
+    """
+
+    kinds: list[str] | None = None
+    times: np.ndarray = field(default_factory=lambda: np.empty(0))
+    end: np.ndarray = field(default_factory=lambda: np.empty(0))
+    size: np.ndarray = field(default_factory=lambda: np.empty(0))
+    complete: bool = True
+    stops: int = 0
+    extremes: tuple[float, float] = (math.nan, math.nan)
+    failure: str = ""
+
+    @property
+    def amplitude(self) -> float:
+        """Half the peak-to-peak of u [rad] once the scene is steady."""
+        return 0.5 * (self.extremes[1] - self.extremes[0])
+
+
+def count_stops(kinds: list[str], starts_at_rest: bool) -> int:
+    """Return how often θ′ arrives at zero in a motion with events of these kinds (names)."""
+    return sum(kind in _STOPS for kind in kinds) + starts_at_rest
+
+
+def quartiles(repeats: ArrayLike) -> np.ndarray:
+    """Return quartiles (…, 3) of repeats along the last axis; nan if one of them is."""
+    return np.moveaxis(np.quantile(repeats, QUARTILES, axis=-1), 0, -1)
 
 
 class Answer(NamedTuple):
-    """Verdict; errors of the final state in sizes of the motion, of event times, of the amplitude in sizes of u.
+    """Verdict; errors of the final state in sizes of the motion, of event times [s], of the amplitude in sizes of u.
 
-    ``times`` is nan unless the events are those of the true motion in the same order, in a race in seconds, else
-    relative to the duration.
+    ``times`` is nan unless the events are those of the true motion in the same order.
     """
 
     verdict: Verdict
     state: float = math.nan
     times: float = math.nan
     amplitude: float = math.nan
-
-    @property
-    def error(self) -> float:
-        """Largest relative error of final state and event times [1]; nan where there is none to compare."""
-        return float(np.fmax(self.state, self.times))
 
 
 def distance(end: np.ndarray, other: Record) -> float:
@@ -76,31 +119,3 @@ def raced(run: Record, truth: Record) -> Answer:
     verdict = Verdict.RIGHT if same else Verdict.OTHER_EVENTS
     verdict = verdict if amplitude <= _AMPLITUDE else Verdict.OTHER_MOTION
     return Answer(verdict, distance(run.end, truth), lateness(run, truth), amplitude)
-
-
-def asked(duration: float, truth: Record, run: Record, allowed: float) -> Answer:
-    """Compare the answer of a method with the truth; ``allowed``: error, relative to the motion and its duration."""
-    if run.failure or not np.isfinite(run.end).all():
-        return Answer(Verdict.GAVE_UP)
-    gap, state = allowed * duration, distance(run.end, truth)
-    pairs = list(product(_trimmed(truth, gap, duration), _trimmed(run, gap, duration)))
-    for a, b in pairs:
-        late = lateness(a, b) / duration
-        if not math.isnan(late):
-            return Answer(Verdict.RIGHT if max(state, late) <= allowed else Verdict.INACCURATE, state, late)
-    if state > allowed:
-        return Answer(Verdict.OTHER_MOTION)
-    tokens = [[without_clusters(one.kinds, one.times, gap) for one in pair] for pair in pairs]
-    return (
-        Answer(Verdict.RIGHT, state)
-        if any(same_but_corners(*pair) for pair in tokens)
-        else Answer(Verdict.OTHER_EVENTS)
-    )
-
-
-def _trimmed(run: Record, gap: float, duration: float) -> Iterator[Record]:
-    """The events, all of them first, then without some of those that are next to the start or the end."""
-    early, late = int((run.times <= gap).sum()), int((run.times >= duration - gap).sum())
-    for first, last in product(range(early + 1), range(late + 1)):
-        part = slice(first, max(first, len(run.times) - last))
-        yield Record(run.kinds[part], run.times[part])

@@ -4,11 +4,12 @@ import math
 
 import numpy as np
 from mpmath import mp, mpf
-from references import four_states_digits, rigid_digits
+from references import four_states_digits, friction_law_digits, rigid_digits
 from references.exponential_sums import UNIT, Function
 
-from benchmarks.record import Record, count_stops
+from benchmarks.judge import Record, count_stops
 from lsvib.models.drive import Drive
+from lsvib.models.friction import depends_on_speed
 
 # Parts of an arc at which its size is looked at: what dies away at once, or has not begun to, belongs to it as well.
 _SAMPLES = [*(mpf(10) ** -k for k in range(15, 0, -1)), *(mpf(k) / 8 for k in range(1, 8))]
@@ -23,6 +24,8 @@ def truth(
     ``physics``: the frictions of a second body that are there; given, what is told of an event is the mode that follows
     and whether it is a seizure. ``most`` events; ``steady_from`` [s]: from when on u is extreme.
     """
+    if depends_on_speed(drive):
+        return _law_truth(drive, start, duration, min(steady_from, duration))
     with mp.workdps(digits + four_states_digits.SPARE_DIGITS):
         options = {"dps": digits, "max_events": most}
         if drive.rigid:
@@ -54,6 +57,30 @@ def truth(
             stops=count_stops(kinds, rests[0] == 0),
             extremes=(float(min(angles)), float(max(angles))),
         )
+
+
+def _law_truth(drive: Drive, start, duration: float, steady_from: float) -> Record:
+    """The true motion of a rigid drive under a friction law, in 33 digits.
+
+    From ``steady_from`` on u is extreme at its ends, at an event, or where θ′ passes Ω.
+    """
+    motions = [friction_law_digits.simulate(drive.model_dump(), *start, end) for end in (steady_from, duration)]
+    if any(motion.end != "time" for motion in motions):
+        raise ArithmeticError("the law does not determine the motion to its end")
+    early, whole = motions
+    late = [event.before for event in whole.events if event.time >= early.time]
+    angles = [float(u) for u, _ in (early.state, *late, whole.state)]
+    visited = [start, whole.state, *(state for event in whole.events for state in (event.before, event.after))]
+    events = [event for event in whole.events if event.kind != "passage"]
+    kinds = [event.kind for event in events]
+    return Record(
+        kinds=kinds,
+        times=np.array([float(event.time) for event in events]),
+        end=np.array(whole.state, dtype=float),
+        size=np.abs(np.array(visited, dtype=float)).max(axis=0),
+        stops=count_stops(kinds, start[1] == -drive.input_speed),
+        extremes=(min(angles), max(angles)),
+    )
 
 
 def by_seizure(mode: str, seized: bool) -> str:

@@ -1,28 +1,29 @@
-"""What a scene saves by leaving out what it does not need: run time, construction, compilation, data and imports."""
+"""What a scene saves by leaving out what it does not need: run time, construction, data and imports."""
 
+import json
 import os
 import platform
+import subprocess
+import sys
 from collections.abc import Mapping
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Any, ClassVar
 
 import numpy as np
 import xarray as xr
 from pydantic import Field
 
-from benchmarks.ablation.cost_of_starting import compilation, imports
-from benchmarks.record import QUARTILES, quartiles
+from benchmarks.judge import QUARTILES, quartiles
 from lsvib.datasets.attributes import named_index, variable, yes_no
 from lsvib.datasets.checks import Check
 from lsvib.figures import style
 from lsvib.figures.common import flag_names
-from lsvib.figures.settings import Duration, FigureSettings, Unique
+from lsvib.figures.settings import Duration, FigureSettings
 from lsvib.figures.style import Axes, Figure
 
 CAPTION = """\
 What a scene saves by leaving out what it does not need: (a) run time and (b) construction of its own model beside a
-general one in which every term is present and zero, with the quartiles of how many times longer that takes; (c)
-at full size compilation of the engine for two states, and for any number as well; last, what datasets and pictures
-import.
+general one in which every term is present and zero, with the quartiles of how many times longer that takes; (c) what
+datasets and pictures import.
 """
 
 MODULES = {  # what drawing a figure or building its dataset imports; measured in processes of their own
@@ -31,6 +32,12 @@ MODULES = {  # what drawing a figure or building its dataset imports; measured i
     "motion": "lsvib.figures.fig8_09, lsvib.datasets.phase_plane",
     "everything": "lsvib.figures.fig8_09, lsvib.datasets.phase_plane, matplotlib.backends.backend_agg, lsvib.cli.app",
 }
+_IMPORT = """
+import json, sys, time
+begun = time.perf_counter()
+import {module}
+print(json.dumps([len(sys.modules), time.perf_counter() - begun, sorted({{m.split('.')[0] for m in sys.modules}})]))
+"""
 _SOURCE = "docs/validation.md"
 _ROUNDING = 1e-12  # of the size of a state: what half a second of events may make of the last digit
 _MODELS = ("pared", "general")
@@ -54,23 +61,16 @@ class Settings(FigureSettings):
     duration: Duration
     repeats: int = Field(ge=1, le=1000, description="Repeats of each measurement.")
     fresh: int = Field(ge=1, le=100, description="Processes of their own in which each import is timed.")
-    compile: Annotated[list[Literal["planar", "modal"]], *Unique] = Field(
-        description="Kinds of flow whose compilation is measured, each with those before it; or none."
-    )
 
 
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
-    """Measure the scenes of :func:`benchmarks.ablation.leaving_out.scenes`, the imports and the compilation.
+    """Measure the scenes of :func:`benchmarks.leaving_out.scenes` and the imports.
 
-    ``settings``: see ``Settings``; compilation takes about 7 s of CPU time for two states and 33 s for any number.
+    ``settings``: see ``Settings``.
     """
-    from benchmarks.ablation import leaving_out
+    from benchmarks import leaving_out
 
     scenes = leaving_out.scenes(settings["duration"])
-    kinds = {
-        "_and_".join(settings["compile"][: k + 1]): tuple(settings["compile"][: k + 1])
-        for k in range(len(settings["compile"]))
-    }
     pairs = [leaving_out.measure(scene, settings["repeats"]) for scene in scenes.values()]
     variables: dict[str, tuple] = {
         name: variable(("scene", "model"), np.array([[getattr(m, name) for m in pair] for pair in pairs]), units, words)
@@ -89,7 +89,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
         "same_events": yes_no("scene", [same for same, _ in compared], "both models have the same events"),
         "difference": variable("scene", [gap for _, gap in compared], "1", apart),
     }
-    variables |= _imports(settings) | (_compilation(kinds) if kinds else {})
+    variables |= _imports(settings)
     return xr.Dataset(
         variables,
         coords={
@@ -143,51 +143,36 @@ def checks(dataset: xr.Dataset) -> list[Check]:
 
 
 def _imports(settings: Mapping[str, Any]) -> dict[str, tuple]:
-    found = [imports(module, settings["fresh"]) for module in MODULES.values()]
-    (counts, seconds, packages), dim = zip(*found, strict=True), "imported_for"
-    loads = [[package in names for package in _PACKAGES] for names in packages]
+    """Number of modules that an import loads, its fastest time, and packages; each import in a new process."""
+    found = []
+    for module in MODULES.values():
+        words = [sys.executable, "-c", _IMPORT.format(module=module)]
+        runs = [subprocess.run(words, capture_output=True, text=True, check=True) for _ in range(settings["fresh"])]
+        counts, times, packages = zip(*(json.loads(run.stdout) for run in runs), strict=True)
+        found.append((counts[0], min(times), [package in packages[0] for package in _PACKAGES]))
+    (numbers, seconds, loads), dim = zip(*found, strict=True), "imported_for"
     return {
-        "imported": variable(dim, list(counts), "1", "number of modules that are imported"),
+        "imported": variable(dim, list(numbers), "1", "number of modules that are imported"),
         "import_time": variable(dim, list(seconds), "s", "fastest time to import them"),
-        "loads": yes_no((dim, "package"), loads, "the package is imported"),
-    }
-
-
-def _compilation(kinds: Mapping[str, tuple[str, ...]]) -> dict[str, tuple]:
-    counts, seconds = zip(*map(compilation, kinds.values()), strict=True)
-    return {
-        "compiled": named_index("compiled", "kinds of flow that are compiled", list(kinds)),
-        "specialisations": variable("compiled", list(counts), "1", "number of compiled specialisations"),
-        "compile_time": variable("compiled", list(seconds), "s", "CPU time to compile the engine"),
+        "loads": yes_no((dim, "package"), list(loads), "the package is imported"),
     }
 
 
 @style.styled
 def draw(dataset: xr.Dataset) -> Figure:
-    """Draw (a) run time and (b) construction of both models, (c) compilation, (d) imports."""
+    """Draw (a) run time and (b) construction of both models, (c) imports."""
     figure = style.new_figure(style.DOUBLE, 4.4)
-    places = figure.subplot_mosaic("ab;cd" if "compiled" in dataset else "ab;cc")
-    run, built, *_, imported = places.values()
+    run, built, imported = figure.subplot_mosaic("ab;cc").values()
     _pairs(run, dataset, "run_time", "(a) following the motion", "Run time [ms]")
     _pairs(built, dataset, "build_time", "(b) building the model", "Time [ms]")
     figure.legend(*run.get_legend_handles_labels(), loc="outside lower center", ncols=2)
-    if "compiled" in dataset:
-        _bars(places["c"], dataset.compiled, dataset.compile_time, "(c) compiling the engine anew", "CPU time [s]",
-              [f"{int(n)} kernels" for n in dataset.specialisations])  # fmt: skip
     names = flag_names(dataset.package)
     loaded = [
         ", ".join(names[int(p)] for p, yes in zip(dataset.package.values, row, strict=True) if yes) or "–"
         for row in dataset.loads.values
     ]
     words = [f"{int(n)} modules:\n{text}" for n, text in zip(dataset.imported, loaded, strict=True)]
-    _bars(
-        imported,
-        dataset.imported_for,
-        dataset.import_time,
-        f"({list(places)[-1]}) importing what it needs",
-        "Time [s]",
-        words,
-    )
+    _bars(imported, dataset.imported_for, dataset.import_time, words)
     return figure
 
 
@@ -207,11 +192,12 @@ def _pairs(axes: Axes, dataset: xr.Dataset, name: str, title: str, label: str) -
     axes.set_xlim(values.values.min() / 2, values.values.max() * 20)
 
 
-def _bars(axes: Axes, kinds: xr.DataArray, values: xr.DataArray, title: str, label: str, words: list[str]) -> None:
-    place = np.arange(values.size)
-    axes.barh(place, values.values, 0.5, color=style.BLUE)
-    largest = float(values.max())
+def _bars(axes: Axes, kinds: xr.DataArray, seconds: xr.DataArray, words: list[str]) -> None:
+    place, longest = np.arange(seconds.size), float(seconds.max())
+    axes.barh(place, seconds.values, 0.5, color=style.BLUE)
     for row, text in enumerate(words):
-        axes.text(values.values[row] + 0.02 * largest, row, text, va="center", fontsize=6.5)
-    axes.set_yticks(place, [name.replace(" and ", "\nand ") for name in flag_names(kinds).values()])
-    axes.set(title=title, xlabel=label, xlim=(0, largest * 1.9), ylim=(place[-1] + 0.6, -0.6))
+        axes.text(seconds.values[row] + 0.02 * longest, row, text, va="center", fontsize=6.5)
+    axes.set_yticks(place, list(flag_names(kinds).values()))
+    axes.set(
+        title="(c) importing what it needs", xlabel="Time [s]", xlim=(0, longest * 1.9), ylim=(place[-1] + 0.6, -0.6)
+    )

@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 from pydantic import Field
 
-from benchmarks.record import Verdict
+from benchmarks.judge import Verdict
 from benchmarks.sweeps.families import Case, CaseFamily, FamilyName
 from lsvib.datasets.attributes import flagged, variable
 from lsvib.datasets.checks import Check
@@ -81,8 +81,9 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
             outcome.path = None  # of no further use, and most of the memory
             rows.append((case, outcome))
     families = sorted({case.family for case, _ in rows})
+    count = np.array([[sum(c.family == f and o.verdict == v for c, o in rows) for v in VERDICTS] for f in families])
     return xr.Dataset(
-        _cases(rows) | _summary(rows, families),
+        _cases(rows) | {"case_count": variable(("edge_family", "outcome"), count, "1", "number of cases")},
         coords={
             "case": variable("case", np.arange(len(rows)), "1", "index of the case"),
             "edge_family": flagged("edge_family", families, "what is driven to the edge", CaseFamily),
@@ -164,13 +165,13 @@ def _energy_check(dataset: xr.Dataset) -> Check:
 def _cases(rows: "list[tuple[Case, CaseOutcome]]") -> dict[str, tuple]:
     from benchmarks.sweeps.case_judge import VERDICTS
 
-    damping = [_log(getattr(c.drive, "contact_damping", 0.0)) for c, _ in rows]
+    damping = np.array([c.drive.contact_damping or np.nan for c, _ in rows])
     # On the edge itself the logarithm is −inf, which is stored as missing.
     level = np.array([case.level for case, _ in rows])
     return {
         "case_family": flagged("case", [c.family for c, _ in rows], "family of the case", CaseFamily),
         "level": variable("case", np.where(np.isfinite(level), level, np.nan).astype(np.float32), "1", _WORDS["level"]),
-        "damping_level": variable("case", np.array(damping, np.float32), "1", _WORDS["damping_level"]),
+        "damping_level": variable("case", np.log10(damping).astype(np.float32), "1", _WORDS["damping_level"]),
         "case_verdict": flagged("case", [o.verdict for _, o in rows], "verdict on the case", VERDICTS),
         "events": variable("case", np.array([o.events for _, o in rows], np.int32), "1", "number of events"),
         **{
@@ -184,17 +185,6 @@ def _number(outcome: "CaseOutcome", name: str) -> float:
     if not name.startswith("energy_"):
         return getattr(outcome, name)
     return np.nan if outcome.energy is None else getattr(outcome.energy, name.removeprefix("energy_"))
-
-
-def _log(value: float) -> float:
-    return float(np.log10(value)) if value else np.nan
-
-
-def _summary(rows: "list[tuple[Case, CaseOutcome]]", families: list[CaseFamily]) -> dict[str, tuple]:
-    from benchmarks.sweeps.case_judge import VERDICTS
-
-    count = np.array([[sum(c.family == f and o.verdict == v for c, o in rows) for v in VERDICTS] for f in families])
-    return {"case_count": variable(("edge_family", "outcome"), count, "1", "number of cases")}
 
 
 @style.styled

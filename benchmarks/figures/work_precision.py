@@ -1,8 +1,7 @@
-"""Error against run time: methods on scenes, grids and sweeps, against 40 digits and exact curves, with ratios."""
+"""Error against run time: methods on scenes, against 33 digits and more, with ratios at equal error."""
 
 import json
 import math
-import re
 from collections.abc import Callable, Mapping
 from importlib.metadata import version
 from importlib.util import find_spec
@@ -13,14 +12,14 @@ import numpy as np
 import xarray as xr
 from pydantic import Field
 
-from benchmarks.record import QUARTILES, Verdict, quartiles
+from benchmarks.judge import QUARTILES, Verdict, quartiles
 from benchmarks.rivals.methods import MODULES
 from lsvib.datasets.attributes import flagged, named_index, variable
 from lsvib.datasets.checks import Check
 from lsvib.datasets.io import machine
 from lsvib.figures import style
 from lsvib.figures.common import flag_names, named
-from lsvib.figures.settings import FigureSettings, SettingsSection, Unique
+from lsvib.figures.settings import FigureSettings, Unique
 from lsvib.figures.style import Axes, Figure
 
 if TYPE_CHECKING:
@@ -29,18 +28,16 @@ if TYPE_CHECKING:
 CAPTION = """\
 Error of the final state, in sizes of the motion, against run time. Every line is a method at several tolerances, time
 steps or widths of the smoothed friction; a cross is a run that shows a wrong motion: another number of events of some
-kind, or another attractor; the reference has 40 digits. The last row: how many times longer than lsvib the best of each
-family takes for an error of 1e-3 (open: 1e-7); shares of maps and charts, counted on n × n cells, against the exact
-curve; the amplitude over the axial force, for one drive. Bars span the quartiles of repeats.
+kind, or another attractor; the reference has 33 digits or more. The last row: how many times longer than lsvib the best
+of each family takes for an error of 1e-3 (open: 1e-7). Bars span the quartiles of repeats.
 """
 
 SCENES = (
     "stick_slip", "graze_above", "graze_below", "sprag_slip", "sprag_graze", "stiff_contact", "near_critical",
-    "long_run",
+    "long_run", "friction_law",
 )  # fmt: skip
 _NAMES = (
-    "exact", "rk45", "dop853", "dop853_capped", "radau", "bdf", "lsoda", "lsoda_capped", "cvode_adams", "cvode_bdf",
-    "cvode_bdf_capped", "diffrax_tsit5", "diffrax_dopri8", "diffrax_dopri8_capped", "diffrax_kvaerno5", "heyoka",
+    "exact", "rk45", "dop853", "dop853_capped", "radau", "bdf", "lsoda", "cvode_adams", "cvode_bdf", "heyoka",
     "smoothed", "rk4", "rk4_refined",
 )  # fmt: skip
 Controls = Annotated[list[Annotated[float, Field(ge=0, le=10)]], *Unique, Field(max_length=20)]
@@ -58,10 +55,9 @@ _NUMBERS = {  # variable: where an entry has it, unit, words
 _TIMES = "run time, quartiles of the shortest of each round"
 _FIRST_RUN = "discarded run of a hundredth of the scene, with what is loaded and compiled for it"
 _RATIO = "run time of the best rival of a family over that of the engine, at an equal error, quartiles of the rounds"
-_GENERAL = ("GENERAL", "COMPILED", "TAYLOR")
+_GENERAL = ("GENERAL", "TAYLOR")
 RIVALS = {  # family of methods: marker, words
     "GENERAL": ("s", "scipy, CVODE"),
-    "COMPILED": ("^", "diffrax"),
     "TAYLOR": ("h", "heyoka"),
     "FIXED_STEP": (">", "RK4"),
     "SMOOTHED": ("p", "smoothed friction"),
@@ -70,7 +66,7 @@ _LEVELS = (1e-3, 1e-7)  # errors at which ratios are drawn
 _SOURCE = "docs/validation.md"
 _VERDICTS = (Verdict.NOT_RUN, Verdict.RIGHT, Verdict.OTHER_EVENTS, Verdict.OTHER_MOTION, Verdict.GAVE_UP)
 _Row = dict[str, "list[Entry]"]  # of a scene, by method
-_PACKAGES = [("scikit-sundae", "sksundae"), *((name, name) for name in ("scipy", "diffrax", "jax", "heyoka", "mpmath"))]
+_PACKAGES = [("scikit-sundae", "sksundae"), *((name, name) for name in ("scipy", "heyoka", "mpmath"))]
 _STYLES = {  # colour, marker, dashes of the methods that are drawn; the dataset has more
     "exact": (style.BLACK, "*", "-"),
     "dop853": (style.BLUE, "o", "-"),
@@ -79,24 +75,12 @@ _STYLES = {  # colour, marker, dashes of the methods that are drawn; the dataset
     "lsoda": (style.GREEN, "s", "-"),
     "cvode_adams": (style.SKY, "D", "-"),
     "cvode_bdf": (style.VERMILION, "D", "-"),
-    "diffrax_tsit5": (style.WINE, "^", "-"),
-    "diffrax_dopri8_capped": (style.WINE, "^", ":"),
-    "diffrax_kvaerno5": (style.WINE, "<", "--"),
     "heyoka": (style.OLIVE, "h", "-"),
     "smoothed": (style.GREY, "p", "-"),
     "rk4": (style.ORANGE, ">", ":"),
     "rk4_refined": (style.ORANGE, ">", "-"),
 }
 _LEAST = 1e-16  # errors below are drawn there
-_COLUMNS = 4  # of panels, as many as can be read on a page
-
-
-class SweepRace(SettingsSection):
-    """A sweep of the amplitude over the axial force."""
-
-    count: int = Field(ge=2, le=100_000, description="Forces.")
-    judged: int = Field(ge=2, le=100, description="Those of them that other methods follow and 40 digits judge.")
-    methods: dict[Literal[*_NAMES[1:]], Controls] = Field(description="As of the scenes.")
 
 
 class Settings(FigureSettings):
@@ -117,21 +101,17 @@ class Settings(FigureSettings):
     error_levels: Annotated[list[Annotated[float, Field(gt=0, le=1)]], *Unique] = Field(
         min_length=1, description="Errors of the final state at which run times are compared, coarse to fine [1]."
     )
-    grids: Annotated[list[Annotated[int, Field(ge=2, le=2000)]], *Unique] = Field(
-        min_length=1, description="Cells along each edge of a map and of a chart, ascending."
-    )
-    sweep: SweepRace
 
 
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
     """Run the methods of :data:`benchmarks.rivals.method_list.METHODS` on scenes; ``InputError`` without a package."""
     from benchmarks.rivals.method_list import METHODS, MethodFamily
-    from benchmarks.rivals.race import RaceBudget, contest
+    from benchmarks.rivals.race import contest
 
     scenes, methods = settings["scenes"], settings["methods"]
     names = [name for name, values in methods.items() if values]
-    budget = RaceBudget(settings["repeats"], settings["seconds"], settings["limit"])
-    races = [contest(name, methods, budget, settings["shorten"]) for name in scenes]
+    limits = {name: settings[name] for name in ("repeats", "seconds", "limit", "shorten")}
+    races = [contest(name, methods, **limits) for name in scenes]
     rows = [{name: [e for e in entries if e.method == name] for name in names} for _, _, entries in races]
     levels = np.array(settings["error_levels"], dtype=float)
     families, titles = [METHODS[name].family for name in names], [this.title for this, _, _ in races]
@@ -151,8 +131,6 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
                 _RATIO,
             ),
             **_settings(methods, names),
-            **_grids(settings["grids"], settings["repeats"]),
-            **_sweeps(settings["sweep"], settings["repeats"], settings["limit"]),
         },
         coords={
             "scene": named_index("scene", "scene", scenes, labels="; ".join(titles)),
@@ -163,7 +141,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
         },
         attrs={
             "title": "Error against run time of the engine and of other methods",
-            "source": "lsvib; references with mpmath at 40 digits",
+            "source": "lsvib; references with 40 digits, 33 where friction depends on speed",
             "references": "doi:10.1007/978-1-4419-1752-2_8, Sects. 8.5 to 8.7",
             "timing": "processor time of one process, methods interleaved, after a discarded run; "
             "the preparation of a method (tables, compilation) is not in it",
@@ -217,39 +195,6 @@ def _ratios(row: _Row, levels: np.ndarray, rounds: int) -> np.ndarray:
     return quartiles(np.stack([of_round(k) for k in range(rounds)], axis=-1))
 
 
-def _grids(resolutions: list[int], repeats: int) -> dict[str, tuple]:
-    """Maps and charts at several resolutions, over (grid, resolution)."""
-    from benchmarks.rivals.grids_and_sweeps import GRIDS, grids
-
-    errors, wrong, times = grids(resolutions, repeats)
-    dims, words = ("grid", "grid_resolution"), "share of the cells that are counted"
-    return {
-        "grid": named_index("grid", "what is counted on cells", GRIDS),
-        "grid_resolution": variable("grid_resolution", resolutions, "1", "cells along each edge of a grid"),
-        "grid_error": variable(dims, errors, "1", f"error of the {words}, against the exact curve"),
-        "grid_wrong_cells": variable(dims, wrong, "1", "cells labelled as if they were beyond the exact curve"),
-        "grid_time": variable((*dims, "quartile"), quartiles(times), "s", "processor time of a grid, quartiles"),
-    }
-
-
-def _sweeps(settings: Mapping[str, Any], repeats: int, limit: float) -> dict[str, tuple]:
-    """The amplitude over the axial force, over the ways to compute it."""
-    from benchmarks.rivals.grids_and_sweeps import sweeps
-    from benchmarks.rivals.method_list import METHODS
-
-    found = sweeps(settings["count"], settings["judged"], settings["methods"], repeats, limit)
-    labels = ["lsvib, sweep", "lsvib, drive by drive"]
-    labels += [METHODS[name].label for name, values in settings["methods"].items() for _ in values]
-    errors, times = zip(*found.values(), strict=True)
-    return {
-        "way": named_index(
-            "way", "way to compute the amplitude over the axial force", list(found), labels="; ".join(labels)
-        ),
-        "way_error": variable("way", list(errors), "1", "largest relative error of the amplitude"),
-        "way_time": variable(("way", "quartile"), quartiles(times), "s", "processor time of one drive, quartiles"),
-    }
-
-
 def _settings(methods: Mapping[str, list[float]], names: list[str]) -> dict[str, tuple]:
     """The settings of the methods by what they are, over (method, setting)."""
     from benchmarks.rivals.method_list import METHODS
@@ -262,7 +207,7 @@ def _settings(methods: Mapping[str, list[float]], names: list[str]) -> dict[str,
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:
-    """Check the engine's verdicts and errors, of motions, grids and sweeps; no run time decides."""
+    """Check the engine's verdicts and errors; no run time decides."""
     names = dataset.method.attrs["flag_meanings"].split()
     engine = dataset.isel(method=names.index("exact"), setting=0)
     worst = int(np.argmax(engine.state_error.values))
@@ -271,8 +216,6 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     wrong = int(np.count_nonzero(engine.motion_verdict.values != int(Verdict.RIGHT)))
     others = dataset.isel(method=named(dataset.method_family, *map(str.lower, _GENERAL))).motion_verdict.values
     missed = int(np.isin(others, (Verdict.OTHER_EVENTS, Verdict.OTHER_MOTION)).sum())
-    cells, astray = int((2 * dataset.grid_resolution**2).sum()), int(dataset.grid_wrong_cells.sum())
-    ways = float(dataset.way_error[:2].max())
     return [
         Check.holds(
             "The engine shows the true motion on every scene",
@@ -292,44 +235,31 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             f"{missed} of {int((others != Verdict.NOT_RUN).sum())} runs",
             missed > 0,
         ),
-        Check.holds(
-            "Every cell of the maps and charts is labelled as the exact curve says",
-            _SOURCE,
-            f"{astray} wrong of {cells}",
-            not astray,
-        ),
-        Check.holds(
-            "Amplitudes of a sweep and of drives one by one are right to 1e-12",
-            _SOURCE,
-            f"largest relative error {ways:.1e}",
-            ways < 1e-12,
-        ),
     ]
 
 
 @style.styled
 def draw(dataset: xr.Dataset) -> Figure:
-    """Draw the error of the final state against run time, scene by scene, then ratios, grids and sweeps."""
+    """Draw the error of the final state against run time, scene by scene, then ratios."""
     count = dataset.sizes["scene"]
-    rows = math.ceil(count / _COLUMNS)
-    figure = style.new_figure(style.DOUBLE, 2.3 * rows + 3.3)
-    upper, lower = figure.subfigures(2, 1, height_ratios=[2.3 * rows + 0.8, 2.5])
-    panels = upper.subplots(rows, min(count, _COLUMNS), sharey=True, squeeze=False).ravel()
+    columns = math.ceil(math.sqrt(count))  # of three or four scenes two, of seven to nine three
+    rows = math.ceil(count / columns)
+    figure = style.new_figure(style.DOUBLE, 2.2 * rows + 2.9)
+    upper, lower = figure.subfigures(2, 1, height_ratios=[2.2 * rows + 0.8, 2.1])
+    panels = upper.subplots(rows, columns, sharey=True, squeeze=False)
     names = dataset.method.attrs["flag_meanings"].split()
     titles = dataset.scene.attrs["labels"].split("; ")
     right = {word: value for value, word in flag_names(dataset.motion_verdict).items()}["right"]
-    for k, axes in enumerate(panels):
+    for k, axes in enumerate(panels.ravel()):
         if k >= count:
             axes.set_visible(False)
             continue
         _panel(axes, dataset.isel(scene=k), names, right)
         axes.set_title(f"({chr(97 + k)}) {titles[k]}", fontsize=7)
         axes.set_xlabel("Run time [s]")
-        if k % _COLUMNS == 0:
-            axes.set_ylabel("Error of the final state")
-    for k, (axes, draw_panel) in enumerate(zip(lower.subplots(1, 3), (_draw_ratios, _draw_grids, _draw_sweeps),
-                                               strict=True)):  # fmt: skip
-        axes.set_title(f"({chr(97 + count + k)}) {draw_panel(axes, dataset)}", fontsize=7)
+    for axes in panels[:, 0]:
+        axes.set_ylabel("Error of the final state")
+    _ratio_panel(lower.subplots(), dataset)
     upper.legend(handles=_handles(dataset, names), loc="outside lower center", ncols=5, fontsize=6.5)
     return figure
 
@@ -339,7 +269,7 @@ def _bars(times: np.ndarray) -> np.ndarray:
     return np.abs(times[:, [0, 2]] - times[:, [1]]).T
 
 
-def _draw_ratios(axes: Axes, dataset: xr.Dataset) -> str:
+def _ratio_panel(axes: Axes, dataset: xr.Dataset) -> None:
     """Draw run times over the engine's, at two errors."""
     levels, width = dataset.error_level.values, 0.12
     for k, (marker, words) in enumerate(RIVALS.values()):
@@ -348,7 +278,7 @@ def _draw_ratios(axes: Axes, dataset: xr.Dataset) -> str:
             ratios = dataset.ratio.values[:, k, near].reshape(-1, 3)
             seen = np.flatnonzero(np.isfinite(ratios[:, 0])) if near.any() else []
             if len(seen):
-                place = seen + width * (k - 2) + (0.04 if face == "white" else 0)
+                place = seen + width * (k - 1.5) + (0.04 if face == "white" else 0)
                 axes.errorbar(place, ratios[seen, 1], _bars(ratios[seen]), fmt=marker, markersize=3.5, mfc=face,
                               color=style.BLACK, elinewidth=0.7, label=words if face != "white" else None)  # fmt: skip
     axes.axhline(1.0, color=style.GREY, linestyle=":", linewidth=0.8)
@@ -357,41 +287,8 @@ def _draw_ratios(axes: Axes, dataset: xr.Dataset) -> str:
     axes.set_xlim(-0.6, len(letters) - 0.4)
     axes.set(yscale="log", xlabel="Scene", ylabel="Run time over that of lsvib")
     axes.margins(y=0.25)
-    axes.legend(fontsize=6, ncols=2, loc="best")
-    return "ratios at equal error"
-
-
-def _draw_grids(axes: Axes, dataset: xr.Dataset) -> str:
-    """Draw the error of shares that are counted on grids against the time of a grid."""
-    looks = ((style.BLUE, "o", "share of a map that settles"), (style.ORANGE, "s", "share of a chart that sticks"))
-    for k, (colour, marker, words) in enumerate(looks):
-        times, errors = dataset.grid_time.values[k], dataset.grid_error.values[k]
-        axes.errorbar(times[:, 1], errors, xerr=_bars(times), fmt=f"{marker}-", markersize=3.5, color=colour,
-                      linewidth=0.7, label=words)  # fmt: skip
-        for x, y, n in zip(times[:, 1], errors, dataset.grid_resolution.values, strict=True):
-            axes.annotate(f"{n}²", (x, y), xytext=(3, 3), textcoords="offset points", fontsize=6, color=colour)
-    axes.set(xscale="log", yscale="log", xlabel="Time of a grid [s]", ylabel="Error of the share")
-    axes.margins(0.2)
-    axes.legend(fontsize=6)
-    return "grids of cells"
-
-
-def _draw_sweeps(axes: Axes, dataset: xr.Dataset) -> str:
-    """Draw the error of amplitudes against the time of one drive, a line for each method."""
-    names, labels = dataset.way.attrs["flag_meanings"].split(), dataset.way.attrs["labels"].split("; ")
-    methods = [re.sub("_[0-9]+$", "", name) for name in names]
-    for method in dict.fromkeys(methods):
-        rows = [k for k, name in enumerate(methods) if name == method]
-        colour, marker, _ = _STYLES.get(method, _STYLES["exact"])
-        times, errors = dataset.way_time.values[rows], np.maximum(dataset.way_error.values[rows], _LEAST)
-        axes.errorbar(times[:, 1], errors, xerr=_bars(times), fmt=f"{marker}-", markersize=4, color=colour,
-                      mfc="white" if method == "single_drives" else colour, linewidth=0.7,
-                      label=labels[rows[0]])  # fmt: skip
-    axes.set(xscale="log", yscale="log", xlabel="Time of one drive [s]", ylabel="Error of the amplitude")
-    axes.margins(0.15)
-    axes.set_ylim(top=1e5 * axes.get_ylim()[1])  # room for the legend
-    axes.legend(fontsize=6, loc="upper left", handletextpad=0.4)
-    return "sweeps over the axial force"
+    axes.set_title(f"({chr(97 + len(letters))}) ratios at equal error", fontsize=7)
+    axes.legend(fontsize=6, ncols=5, loc="best")
 
 
 def _panel(axes: Axes, scene: xr.Dataset, names: list[str], right: int) -> None:

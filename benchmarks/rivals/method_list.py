@@ -25,15 +25,15 @@ class MethodFamily(IntEnum):
     GENERAL = 1  # general solvers with events, adaptive, whose field is a Python function, from event to event
     FIXED_STEP = 2  # Runge–Kutta with a fixed step, made for this drive
     SMOOTHED = 3  # friction without a jump
-    COMPILED = 4  # general solvers with events, adaptive, compiled together with the scene
-    TAYLOR = 5  # a general solver with compiled Taylor series and roots isolated on them, Python from event to event
+    TAYLOR = 4  # a general solver with compiled Taylor series and roots isolated on them, Python from event to event
 
 
 @dataclass(frozen=True)
 class Method:
     """A method: ``control`` is what its setting is, ``relative_tolerance`` [1], ``time_step`` [s], ``smoothing_width``
     [rad/s] or ``none``; ``module``, one of :data:`benchmarks.rivals.methods.MODULES`, prepares what is timed;
-    ``needs``: a package by its import name; ``explicit``: bounded region of stability, so no method for stiff scenes.
+    ``needs``: a package by its import name; ``explicit``: bounded region of stability, so no method for stiff scenes;
+    ``linear``: made for fields that are linear in a mode, so none for friction that depends on speed.
     """
 
     label: str
@@ -43,6 +43,7 @@ class Method:
     options: Mapping[str, Any] = field(default_factory=dict)
     needs: str | None = None
     explicit: bool = False
+    linear: bool = False
 
     def prepare(self, hybrid: Hybrid, setting: float, clock: Clock, max_events: int) -> Callable:
         """Return the function to time; its result makes a record when called. ``InputError`` without the package."""
@@ -61,18 +62,19 @@ class Method:
             )
 
 
-_EXPLICIT = ("RK45", "DOP853", "Adams", "Tsit5", "Dopri8")  # solvers
+_EXPLICIT = ("RK45", "DOP853", "Adams")  # solvers
 
 
 def _general(label: str, module: str, needs: str, **options) -> Method:
     """A general solver of a package, by its name there."""
-    family = MethodFamily.COMPILED if needs == "diffrax" else MethodFamily.GENERAL
-    return Method(label, family, module, options=options, needs=needs, explicit=options["solver"] in _EXPLICIT)
+    explicit = options["solver"] in _EXPLICIT
+    return Method(label, MethodFamily.GENERAL, module, options=options, needs=needs, explicit=explicit)
 
 
 _with_scipy = partial(_general, module="scipy_events", needs="scipy")
 _with_cvode = partial(_general, module="cvode", needs="sksundae")
-_with_diffrax = partial(_general, module="diffrax_events", needs="diffrax")
+_with_steps = partial(Method, family=MethodFamily.FIXED_STEP, module="fixed_step", control="time_step", explicit=True,
+                      linear=True)  # fmt: skip
 
 METHODS = {
     "exact": Method("lsvib", MethodFamily.EXACT, "this_engine", "none"),
@@ -82,19 +84,12 @@ METHODS = {
     "radau": _with_scipy("Radau", solver="Radau"),
     "bdf": _with_scipy("BDF", solver="BDF"),
     "lsoda": _with_scipy("LSODA", solver="LSODA"),
-    "lsoda_capped": _with_scipy("LSODA, step cap", solver="LSODA", capped=True),
     "cvode_adams": _with_cvode("CVODE Adams", solver="Adams"),
     "cvode_bdf": _with_cvode("CVODE BDF", solver="BDF"),
-    "cvode_bdf_capped": _with_cvode("CVODE BDF, step cap", solver="BDF", capped=True),
-    "diffrax_tsit5": _with_diffrax("diffrax Tsit5", solver="Tsit5"),
-    "diffrax_dopri8": _with_diffrax("diffrax Dopri8", solver="Dopri8"),
-    "diffrax_dopri8_capped": _with_diffrax("diffrax Dopri8, step cap", solver="Dopri8", capped=True),
-    "diffrax_kvaerno5": _with_diffrax("diffrax Kvaerno5", solver="Kvaerno5"),
     # Explicit too, but of so high an order and with steps so cheap that it does the stiff scene: not left out of it.
     "heyoka": Method("heyoka", MethodFamily.TAYLOR, "heyoka_events", needs="heyoka"),
-    "smoothed": Method("smoothed friction", MethodFamily.SMOOTHED, "smoothed", "smoothing_width", needs="sksundae"),
-    "rk4": Method("RK4, fixed step", MethodFamily.FIXED_STEP, "fixed_step", "time_step", explicit=True),
-    "rk4_refined": Method(
-        "RK4, refined events", MethodFamily.FIXED_STEP, "fixed_step", "time_step", {"refined": True}, explicit=True
-    ),
-}
+    "smoothed": Method("smoothed friction", MethodFamily.SMOOTHED, "smoothed", "smoothing_width", needs="sksundae",
+                       linear=True),
+    "rk4": _with_steps("RK4, fixed step"),
+    "rk4_refined": _with_steps("RK4, refined events", options={"refined": True}),
+}  # fmt: skip

@@ -4,35 +4,23 @@ Times are processor times of this process: on a quiet machine the same as by the
 inflated by what others do. How much faster one method is than others is asked at an equal error.
 """
 
-import ctypes
 import math
-import os
-import sys
 import time
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from benchmarks.judge import Answer, raced
-from benchmarks.record import Record
+from benchmarks.judge import Answer, Record, raced
 from benchmarks.rivals.hybrid import Clock, GaveUp, Hybrid
 from benchmarks.rivals.method_list import METHODS
 from benchmarks.rivals.race_scenes import RaceScene, scene
+from lsvib.models.friction import depends_on_speed
 
 _TURN = 3e-3  # [s] for which a quick entry is repeated in a round, so that the clock is fine enough
 _WARM_UP = 0.01  # part of the duration that is run and discarded first, which loads, compiles and fills caches
-
-
-@dataclass(frozen=True)
-class RaceBudget:
-    """Rounds (``repeats``); ``seconds`` after which an entry leaves further rounds, and a ``limit`` [s] of one run."""
-
-    repeats: int
-    seconds: float
-    limit: float
 
 
 @dataclass
@@ -63,31 +51,33 @@ class Entry:
 
 
 def contest(
-    name: str, settings: Mapping[str, Sequence[float]], budget: RaceBudget, shorten: float = 1.0
+    name: str, settings: Mapping[str, Sequence[float]], repeats: int, seconds: float, limit: float, shorten: float = 1.0
 ) -> tuple[RaceScene, Record, list[Entry]]:
     """Run the methods with their settings on a scene, and its reference.
 
     ``settings``: for each method its tolerances, steps or widths, none to leave it out; [0] where there is nothing to
-    set. Each round runs every entry, so that a slow spell of the machine hits all alike. Methods for non-stiff problems
-    are left out of a stiff scene; ``shorten`` cuts the scene to that part of its duration. Raises ``InputError`` if a
-    name is wrong or a package is missing.
+    set. Each of ``repeats`` rounds runs every entry, so that a slow spell of the machine hits all alike; an entry
+    leaves further rounds after so many ``seconds``, and a run is given up after ``limit`` [s]. ``shorten`` cuts the
+    scene to that part of its duration. Methods for non-stiff problems are left out of a stiff scene, those for linear
+    fields where friction depends on speed. Raises ``InputError`` if a name is wrong or a package is missing.
     """
     this = scene(name, shorten)
     truth = this.truth()
-    hybrid, limit = Hybrid(this), 10 * len(truth.kinds) + 100
-    entries: list[tuple[Entry, Callable]] = []
-    with quiet():
+    hybrid, most = Hybrid(this), 10 * len(truth.kinds) + 100
+    law, entries = depends_on_speed(this.drive), list[tuple[Entry, Callable]]()
+    with warnings.catch_warnings(), np.errstate(all="ignore"):  # a run that fails is counted, not described
+        warnings.simplefilter("ignore")
         for method_name, values in settings.items():
             method = METHODS[method_name]
-            if not values or (method.explicit and not this.explicit):
+            if not values or (method.explicit and this.stiff) or (method.linear and law):
                 continue
-            clock = Clock(budget.limit)
+            clock = Clock(limit)
             first = _warm_up(method, this, values[0], clock)
             for setting in values:
-                entries.append((Entry(method_name, setting, first), method.prepare(hybrid, setting, clock, limit)))
-        for _ in range(budget.repeats):
+                entries.append((Entry(method_name, setting, first), method.prepare(hybrid, setting, clock, most)))
+        for _ in range(repeats):
             for entry, function in entries:
-                if not entry.failure and (not entry.seconds or sum(entry.seconds) < budget.seconds):
+                if not entry.failure and (not entry.seconds or sum(entry.seconds) < seconds):
                     _run(entry, function, truth)
     return this, truth, [entry for entry, _ in entries]
 
@@ -99,28 +89,6 @@ def _warm_up(method, this: RaceScene, setting: float, clock: Clock) -> float:
     with suppress(GaveUp):  # then the whole run gives up too, and is counted
         method.prepare(short, setting, clock, 1000)()()
     return time.process_time() - start
-
-
-@contextmanager
-def quiet() -> Iterator[None]:
-    """Silence what solvers print or warn of, also from compiled code: a run that fails is counted, not described."""
-    flush = ctypes.CDLL(None).fflush  # what compiled code has printed may still be in its buffers
-    flush(None)
-    kept = [os.dup(1), os.dup(2)]
-    sys.stdout.flush()
-    sys.stderr.flush()
-    with open(os.devnull, "w") as nowhere:
-        try:
-            for stream in (1, 2):
-                os.dup2(nowhere.fileno(), stream)
-            with warnings.catch_warnings(), np.errstate(all="ignore"):
-                warnings.simplefilter("ignore")
-                yield
-        finally:
-            flush(None)
-            for stream, copy in zip((1, 2), kept, strict=True):
-                os.dup2(copy, stream)
-                os.close(copy)
 
 
 def _run(entry: Entry, function, truth: Record) -> None:

@@ -6,7 +6,7 @@ from functools import cache
 import numpy as np
 from references.drives import threads_drive
 
-from benchmarks.record import Record
+from benchmarks.judge import Record
 from benchmarks.truth import truth
 from lsvib.engine.automaton import Automaton
 from lsvib.models.drive import Drive
@@ -25,8 +25,8 @@ class RaceScene:
     """A motion to compute: ``state`` (n) at time 0, followed for ``duration`` [s].
 
     ``title`` says what it is; ``step_cap`` [s] is the largest step of the methods that have one, well below the
-    shortest oscillation of the drive; ``explicit``: whether a method with a bounded region of stability can do it at
-    all. The steady amplitude is taken over the last fifth of the motion.
+    shortest oscillation of the drive; ``stiff``: whether a method with a bounded region of stability cannot do it. The
+    steady amplitude is taken over the last fifth of the motion.
     """
 
     name: str
@@ -35,7 +35,7 @@ class RaceScene:
     state: tuple[float, ...]
     duration: float
     step_cap: float
-    explicit: bool = True
+    stiff: bool = False
 
     @property
     def definition(self) -> Model:
@@ -75,6 +75,7 @@ def _scenes() -> dict[str, RaceScene]:
     stiff = threads_drive(mass=11, axial_force=100)
     seated = tuple(float(x) for x in seated_state(stiff, 0.005, 0.0))
     light = Drive.of(translation_damping=1e3, axial_force=40)
+    seat = Drive(friction="powered_seat", axial_force=100)
     critical = light.replace(mass=place_values(light, "kinematic_constraint", "mass")[0] * (1 - _GAMMA))
 
     def rigid(name: str, title: str, drive: Drive, start: tuple[float, float], duration: float = 0.5) -> RaceScene:
@@ -89,9 +90,10 @@ def _scenes() -> dict[str, RaceScene]:
         graze("graze_below", "just below stick force", -1),
         rigid("sprag_slip", "sprag–slip, Painlevé", sprags.replace(axial_force=-10), (0.1, 0.0)),
         rigid("sprag_graze", "seizure just reached", just, (0.06, -just.input_speed)),
-        RaceScene("stiff_contact", "stiff contact, Fig. 8.10", stiff, seated, 0.05, 5e-5, explicit=False),
+        RaceScene("stiff_contact", "stiff contact, Fig. 8.10", stiff, seated, 0.05, 5e-5, stiff=True),
         rigid("near_critical", "near-critical mass", critical, (0.01, 0.0), 0.3),
         rigid("long_run", "1000 periods", vibrates, (0.01, 0.0), 13.5),
+        rigid("friction_law", "Stribeck friction of a seat", seat, (0.1, 0.0)),
     )
     return {scene.name: scene for scene in found}
 

@@ -12,8 +12,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from benchmarks.judge import CORNER, distance, lateness, same_but_corners, without_clusters
-from benchmarks.record import Record, Verdict
+from benchmarks.judge import CORNER, Record, Verdict, distance, lateness, same_but_corners, without_clusters
 from benchmarks.sweeps.energy_balance import Balance, balance
 from benchmarks.sweeps.families import Case
 from benchmarks.sweeps.paths import MOST_EVENTS, automaton, engine_path, exact_path

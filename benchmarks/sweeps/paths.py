@@ -8,7 +8,7 @@ from functools import lru_cache
 import numpy as np
 from references.four_states_digits import FourStatesDrive
 
-from benchmarks.record import Record
+from benchmarks.judge import Record
 from benchmarks.sweeps.families import Case
 from benchmarks.truth import by_seizure, truth
 from lsvib.engine.automaton import Automaton

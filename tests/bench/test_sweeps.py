@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from references.drives import MODELS, nut_drive, support_drive, threads_drive, wide_drive
 
-from benchmarks.record import Record, Verdict
+from benchmarks.judge import Record, Verdict
 from benchmarks.sweeps import case_judge
 from benchmarks.sweeps.case_judge import judge
 from benchmarks.sweeps.cases import cases

@@ -270,14 +270,10 @@ def test_a_wrong_drive_is_one_sentence_and_leaves_no_file(fresh):
 
 @pytest.mark.slow
 def test_accuracy_is_a_target_of_its_own(fresh):
-    """It needs packages that the others do not need; a draft leaves out what `all` has."""
+    """It needs packages that the others do not need."""
     jobs = fresh.plan("accuracy")
     assert jobs >= {"Compiling the engine: planar", "Computing work_precision for accuracy"}
     assert not any("fig8" in job or job == "Computing work_precision" for job in jobs)
-    draft = fresh.plan("accuracy", "--configfile", "config/draft.yaml")
-    assert {job for job in draft if job.startswith("Computing ")} == {
-        "Computing map_precision for accuracy", "Computing rival_verdicts for accuracy"
-    }  # fmt: skip
     assert not any("accuracy" in job for job in fresh.plan())
 
 
@@ -291,8 +287,7 @@ def test_all_has_the_figures_of_accuracy_at_its_own_size(fresh):
     for figure in both:
         assert given(CONFIG, figure) != given(CONFIG, figure, accuracy=True)
     own = given(CONFIG, "work_precision")
-    methods = {name for names in (own["methods"], own["sweep"]["methods"]) for name, values in names.items() if values}
-    assert {METHODS[name].needs for name in methods} == {None, "scipy"}
+    assert {METHODS[name].needs for name, values in own["methods"].items() if values} == {None, "scipy"}
 
 
 @pytest.mark.slow

@@ -11,19 +11,16 @@ _FINEST = 1e-14  # relative tolerance; CVODE wants no less
 _ROOT = 2  # CVODE's return value at an event
 
 
-def integrator(hybrid: Hybrid, setting: float, clock: Clock, solver: str, capped: bool = False) -> Integrate:
+def integrator(hybrid: Hybrid, setting: float, clock: Clock, solver: str) -> Integrate:
     """Return what follows one mode with CVODE (``solver``: Adams or BDF) at relative tolerance ``setting``.
 
-    ``capped``: with the scene's step cap. Absolute tolerances are ``setting`` times the sizes of the coordinates; BDF
-    is given the Jacobian.
+    Absolute tolerances are ``setting`` times the sizes of the coordinates; BDF is given a Jacobian that is constant.
     """
-    scene = hybrid.scene
     options = {
         "method": solver,
         "rtol": max(setting, _FINEST),
-        "atol": setting * scene.scales,
+        "atol": setting * hybrid.scene.scales,
         "max_num_steps": MOST_STEPS,
-        "max_step": scene.step_cap if capped else 0.0,
     }
     functions = [_functions(mode, clock, solver == "BDF") for mode in hybrid.modes]
 
@@ -40,13 +37,13 @@ def integrator(hybrid: Hybrid, setting: float, clock: Clock, solver: str, capped
 
 
 def _functions(mode: HybridMode, clock: Clock, jacobian: bool) -> dict:
-    matrix, constant = mode.matrix, mode.constant
+    matrix, rate_at = mode.matrix, mode.rate()
     weights, offsets = mode.guards[:, :-1], mode.guards[:, -1]
 
     def field(t, x, rate):
-        """Put x′ = A x + b into ``rate``."""
+        """Put x′ into ``rate``."""
         clock.check()
-        rate[:] = matrix @ x + constant
+        rate[:] = rate_at(x)
 
     def slope(t, x, rate, out):
         """Put the Jacobian A into ``out``."""
@@ -61,4 +58,4 @@ def _functions(mode: HybridMode, clock: Clock, jacobian: bool) -> dict:
         guards.terminal = [True] * len(offsets)
         guards.direction = [-1] * len(offsets)
         found |= {"eventsfn": guards, "num_events": len(offsets)}
-    return found | ({"jacfn": slope} if jacobian else {})
+    return found | ({"jacfn": slope} if jacobian and mode.friction is None else {})

@@ -12,7 +12,7 @@ from functools import cache
 import heyoka as hy
 import numpy as np
 
-from benchmarks.rivals.hybrid import Clock, GaveUp, Hybrid, HybridMode, Integrate
+from benchmarks.rivals.hybrid import Clock, GaveUp, Hybrid, HybridMode, Integrate, eta
 
 _FINEST = float(np.finfo(float).eps)  # tolerance; heyoka's own default, below it the order only grows
 _CHUNK = 1000  # steps, about half a millisecond, after which the clock is looked at
@@ -23,7 +23,7 @@ _LOST = int(hy.taylor_outcome.err_nf_state)
 
 hy.set_logger_level_critical()  # it warns of what is expected here, in the middle of what is timed
 
-BranchPattern = tuple[tuple[bool, ...], ...]
+Pattern = tuple[tuple[bool, ...], ...]
 
 
 def integrator(hybrid: Hybrid, setting: float, clock: Clock) -> Integrate:
@@ -45,8 +45,8 @@ def integrator(hybrid: Hybrid, setting: float, clock: Clock) -> Integrate:
         for k, unit in enumerate(units):
             here[k] = state[k] / unit
         while True:
-            found, _, _, steps, _, _ = arc.propagate_until(end, max_steps=_CHUNK)
-            clock.spend(steps)
+            found, *_ = arc.propagate_until(end, max_steps=_CHUNK)
+            clock.look()
             outcome = int(found)
             if outcome != _MORE:
                 break
@@ -67,27 +67,33 @@ def _integrator(mode: HybridMode, scale: np.ndarray, tolerance: float) -> hy.tay
     guards = np.column_stack([mode.guards[:, :-1] * scale, mode.guards[:, -1]])
     if guards.size:
         guards /= np.exp2(np.round(np.log2(np.abs(guards).max(axis=1, keepdims=True))))
-    tables = field, guards
-    arc = copy(_compiled(*(tuple(map(tuple, table != 0)) for table in tables), tolerance))
+    tables, push, law = [field, guards], (), ()
+    if mode.friction:
+        *rows, push, law = mode.friction
+        tables.append(np.array(rows) * [*scale, 1.0])
+        push = tuple(push / scale)
+    arc = copy(_compiled(*(tuple(map(tuple, table != 0)) for table in tables), push=push, law=law, tolerance=tolerance))
     arc.pars[:] = np.concatenate([table[table != 0] for table in tables])
     return arc
 
 
 @cache
-def _compiled(field: BranchPattern, guards: BranchPattern, tolerance: float) -> hy.taylor_adaptive:
-    """Integrator of x′ = A x + b with terminal events where guards fall through zero; numbers that are not zero are
-    parameters, row by row, field first.
+def _compiled(*rows: Pattern, push: tuple[float, ...], law: tuple[float, ...], tolerance: float) -> hy.taylor_adaptive:
+    """Integrator of a mode with terminal events where guards fall through zero; ``rows``: where those of its field, of
+    its guards and of its friction are not zero; these numbers are parameters, those of the law are constants.
     """
-    states = hy.make_vars(*(f"x{k}" for k in range(len(field))))
-    parameters = (hy.par[k] for k in range(sum(map(sum, (*field, *guards)))))
-    right = [(state, _affine(row, states, parameters)) for state, row in zip(states, field, strict=True)]
+    states = hy.make_vars(*(f"x{k}" for k in range(len(rows[0]))))
+    parameters = (hy.par[k] for k in range(sum(sum(row) for table in rows for row in table)))
+    right, guards, *friction = ([_affine(row, states, parameters) for row in table] for table in rows)
+    for sigma, force in friction:
+        rubbed = eta(sigma, law, hy.exp) * force
+        right = [x + weight * rubbed if weight else x for x, weight in zip(right, push, strict=True)]
     # No cooldown: of a guard that has just fired the driver has made sure that it is not about to fall, and a root at
     # which it rises has the other direction.
-    events = [
-        hy.t_event(_affine(row, states, parameters) + _NUDGE, direction=hy.event_direction.negative, cooldown=0.0)
-        for row in guards
-    ]
-    return hy.taylor_adaptive(right, [0.0] * len(states), t_events=events, tol=tolerance)
+    events = [hy.t_event(x + _NUDGE, direction=hy.event_direction.negative, cooldown=0.0) for x in guards]
+    return hy.taylor_adaptive(
+        list(zip(states, right, strict=True)), [0.0] * len(states), t_events=events, tol=tolerance
+    )
 
 
 def _affine(row: tuple[bool, ...], states: list, parameters: Iterator) -> hy.expression:

@@ -13,9 +13,9 @@ _IMPLICIT = ("Radau", "BDF", "LSODA")
 def integrator(hybrid: Hybrid, setting: float, clock: Clock, solver: str, capped: bool = False) -> Integrate:
     """Return what follows one mode with ``solver`` at relative tolerance ``setting``; ``capped``: with a step cap.
 
-    Absolute tolerances are ``setting`` times the sizes of the coordinates; implicit solvers are given the Jacobian,
-    which is constant in a mode. Where a guard rises from zero and falls again within the first step, so that its only
-    root that is seen is the start, the arc is repeated with smaller steps.
+    Absolute tolerances are ``setting`` times the sizes of the coordinates; implicit solvers are given a constant
+    Jacobian. Where a guard rises from zero and falls again within the first step, so that its only root that is seen
+    is the start, the arc is repeated with smaller steps.
     """
     scene = hybrid.scene
     modes = [_functions(mode, clock) for mode in hybrid.modes]
@@ -26,10 +26,9 @@ def integrator(hybrid: Hybrid, setting: float, clock: Clock, solver: str, capped
     def integrate(mode: int, now: float, state: Sequence[float], end: float):
         field, events = modes[mode]
         limits = dict(options)
-        jacobian = {"jac": hybrid.modes[mode].matrix} if solver in _IMPLICIT[:2] else {}
-        if solver == "LSODA":
-            matrix = hybrid.modes[mode].matrix
-            jacobian = {"jac": lambda t, x: matrix}
+        matrix, jacobian = hybrid.modes[mode].matrix, {}
+        if solver in _IMPLICIT and hybrid.modes[mode].friction is None:
+            jacobian = {"jac": (lambda t, x: matrix) if solver == "LSODA" else matrix}
         for _ in range(RETRIES):
             found = solve_ivp(field, (now, end), state, events=events, **limits, **jacobian)
             if not found.success:
@@ -47,12 +46,12 @@ def integrator(hybrid: Hybrid, setting: float, clock: Clock, solver: str, capped
 
 
 def _functions(mode, clock: Clock):
-    matrix, constant = mode.matrix, mode.constant
+    rate = mode.rate()
 
     def field(t, x):
-        """Return x′ = A x + b."""
+        """Return x′."""
         clock.check()
-        return matrix @ x + constant
+        return rate(x)
 
     events = []
     for row in mode.guards:

@@ -14,7 +14,7 @@ from references.drives import threads_drive
 from sksundae.cvode import CVODE
 
 from benchmarks.jit import kernel
-from benchmarks.record import Record
+from benchmarks.judge import Record
 from benchmarks.rivals.hybrid import Clock, Hybrid
 from benchmarks.rivals.race_scenes import RaceScene
 from lsvib.models.mechanics import coefficients

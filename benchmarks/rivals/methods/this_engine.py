@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from benchmarks.record import Record
+from benchmarks.judge import Record
 from benchmarks.rivals.hybrid import Clock, GaveUp, Hybrid, Recorder, counted
 from lsvib.engine.kernels.layout import Status
 from lsvib.engine.motion import Motion, follow

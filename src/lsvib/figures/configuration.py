@@ -24,8 +24,7 @@ from lsvib.models.complaints import sentence_about
 from lsvib.numbers import shown
 
 DEFAULT = Path(__file__).with_name("config.yaml")
-_IN_ALL = ("work_precision", "stability_sweeps", "ablation")  # benchmarks that a bare snakemake builds, too
-_BENCHMARKS = (*_IN_ALL, "rival_verdicts", "map_precision")
+_BENCHMARKS = ("work_precision", "stability_sweeps", "ablation")
 
 PARTS = ("analysis", "maps")
 """Functions of some figures whose results, each a dataset, its ``build`` takes: the analysis of its drives, and maps of
@@ -88,7 +87,7 @@ class Selection(SettingsSection):
         default=DriveChanges(), description="Parameters of the drive of all figures; their `drive` differs from it."
     )
 
-    figures: Annotated[list[Literal[*default_figures(), *_IN_ALL]], *Unique] | None = Field(
+    figures: Annotated[list[Literal[*default_figures(), *_BENCHMARKS]], *Unique] | None = Field(
         default=None, min_length=1, description="Figures to build; all if it is left out."
     )
     accuracy_figures: Annotated[list[Literal[*_BENCHMARKS]], *Unique] | None = Field(
@@ -160,7 +159,7 @@ def _merged(below: Any, above: Any) -> Any:
 
 def selected(configuration: Mapping[str, Any], key: str = "figures") -> tuple[str, ...]:
     """Return the names of the figures to build; ``key``: that of a list in the configuration, which may be absent."""
-    of_all = (*default_figures(), *(_IN_ALL if find_spec("benchmarks") else ()))  # in a checkout some benchmarks too
+    of_all = (*default_figures(), *(_BENCHMARKS if find_spec("benchmarks") else ()))  # in a checkout benchmarks, too
     return tuple(configuration.get(key) or (of_all if key == "figures" else accuracy_figures()))
 
 

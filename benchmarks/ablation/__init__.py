@@ -1,1 +1,0 @@
-"""What is saved by leaving out what a scene does not need."""

@@ -1,1 +1,0 @@
-"""Ways to map a region of attraction, compared."""
