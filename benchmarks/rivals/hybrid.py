@@ -7,7 +7,6 @@ Where friction depends on speed the field has one term more (:class:`Friction`).
 steady sliding in two halves that pass into each other, is no event of a rival.
 """
 
-import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -67,7 +66,7 @@ class Friction(NamedTuple):
     law: tuple[float, ...]
 
 
-def eta(sigma, law: tuple[float, ...], exp: Callable = math.exp):
+def eta(sigma, law: tuple[float, ...], exp: Callable = np.exp):
     """Return η = μ / (1 + B μ) at a speed, a number or an expression of the package that ``exp`` is from.
 
     ``law``: B and the numbers of μ = constant + linear σ + rise exp(−(fade σ)^exponent), which stays above zero here.
@@ -120,7 +119,10 @@ class _Guard(NamedTuple):
 
 
 def _plain_guards(mode: HybridMode) -> list[_Guard]:
-    """Return the guards g·x + h of a mode with their rates g·(A x + b)."""
+    """Return the guards g·x + h of a mode with their rates g·(A x + b).
+
+    Friction that depends on speed is not in the rates: they decide at a release only, where the coupling drives on.
+    """
     weights = mode.guards[:, :-1]
     field = np.column_stack([mode.matrix, mode.constant])
     rows = mode.guards.tolist(), (weights @ field).tolist(), (np.abs(weights) @ np.abs(field)).tolist()
