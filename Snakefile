@@ -1,7 +1,14 @@
 """The workflow, from the folder where users start it: snakemake -j2"""
 
 
-include: "workflow/Snakefile"
+configfile: "config/config.yaml"
 
 
-workflow.default_target = "all"  # an included file does not set it
+module lsvib:
+    snakefile:
+        "workflow/Snakefile"
+    config:
+        config
+
+
+use rule * from lsvib

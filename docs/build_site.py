@@ -29,7 +29,7 @@ HOME = "index.rst"  # of the site, in place of the README
 ELSEWHERE = {
     "config/README.md": "settings.md",
     "benchmarks/README.md": "benchmarks.md",
-    "workflow/profiles/slurm/README.md": "slurm.md",
+    "profiles/slurm/README.md": "slurm.md",
     "CONTRIBUTING.md": "contributing.md",
     "CHANGELOG.md": "changelog.md",
     "README.md": HOME,
@@ -111,7 +111,7 @@ def main() -> None:
     shown.add_argument("--without-pictures", action="store_true", help="do not run the scripts of the gallery")
     given = parser.parse_args()
     if given.pictures:
-        for figure in gallery.default_figures():
+        for figure in gallery.FIGURES:
             if not (given.pictures / f"{figure}.png").is_file():
                 sys.exit(f"docs: {given.pictures} has no picture {figure}.png.")
     run_scripts = not (given.pictures or given.without_pictures)

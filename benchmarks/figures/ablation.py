@@ -55,8 +55,7 @@ _COLOURS = (style.BLUE, style.GREY)
 class Settings(FigureSettings):
     """What a scene saves by leaving out what it does not need."""
 
-    timed: ClassVar = True
-    needs: ClassVar = ("lsvib.figures.fig8_08", "lsvib.figures.fig8_09", "lsvib.cli.app")
+    engine: ClassVar = ("planar", "modal")
 
     duration: Duration
     repeats: int = Field(ge=1, le=1000, description="Repeats of each measurement.")

@@ -1,7 +1,7 @@
 """Stability on stiff and extreme cases: the engine judged at the edge of the domain, family by family."""
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 import xarray as xr
@@ -59,6 +59,8 @@ _PASSED = ("right", "corner")
 
 class Settings(FigureSettings):
     """The engine at the edge of the domain."""
+
+    engine: ClassVar = ("planar", "modal")
 
     seed: CaseSeed
     counts: dict[FamilyName, Annotated[int, Field(ge=1, le=10_000_000)]] = Field(

@@ -13,7 +13,6 @@ import xarray as xr
 from pydantic import Field
 
 from benchmarks.judge import QUARTILES, Verdict, quartiles
-from benchmarks.rivals.methods import MODULES
 from lsvib.datasets.attributes import flagged, named_index, variable
 from lsvib.datasets.checks import Check
 from lsvib.datasets.io import machine
@@ -86,8 +85,7 @@ _LEAST = 1e-16  # errors below are drawn there
 class Settings(FigureSettings):
     """Error against run time of the engine and of other methods."""
 
-    timed: ClassVar = True
-    needs: ClassVar = MODULES
+    engine: ClassVar = ("planar", "modal")
 
     scenes: Annotated[list[Literal[*SCENES]], *Unique] = Field(min_length=1, description="Scenes to run.")
     shorten: float = Field(gt=0, le=1, description="Part of each scene's duration that is run [1].")

@@ -31,7 +31,7 @@ class MethodFamily(IntEnum):
 @dataclass(frozen=True)
 class Method:
     """A method: ``control`` is what its setting is, ``relative_tolerance`` [1], ``time_step`` [s], ``smoothing_width``
-    [rad/s] or ``none``; ``module``, one of :data:`benchmarks.rivals.methods.MODULES`, prepares what is timed;
+    [rad/s] or ``none``; ``module``, one of :mod:`benchmarks.rivals.methods`, prepares what is timed;
     ``needs``: a package by its import name; ``explicit``: bounded region of stability, so no method for stiff scenes;
     ``linear``: made for fields that are linear in a mode, so none for friction that depends on speed.
     """

@@ -8,7 +8,7 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
-from lsvib.figures.configuration import default_figures, load, module_of
+from lsvib.figures.configuration import FIGURES, load, module_of
 from lsvib.figures.style import save
 
 _EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -91,7 +91,7 @@ def write_scripts(source: Path, pictures: Path | None) -> None:
         folder = examples / section
         folder.mkdir()
         (folder / "GALLERY_HEADER.rst").write_text(header, encoding="utf-8")
-        for figure in default_figures():
+        for figure in FIGURES:
             if section == ("1_chapter" if figure.startswith("fig8_") else "2_beyond"):
                 (folder / f"{figure}.py").write_text(script(figure, source, pictures), encoding="utf-8")
     for path in _EXAMPLES.glob("*.py"):

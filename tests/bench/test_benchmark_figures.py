@@ -9,7 +9,7 @@ import pytest
 import xarray as xr
 
 from benchmarks.judge import Verdict
-from lsvib.figures.configuration import accuracy_figures, load
+from lsvib.figures.configuration import BENCHMARKS, load
 
 SETTINGS = {
     "ablation": {"duration": 0.3, "repeats": 3, "fresh": 1},
@@ -37,7 +37,7 @@ def passed(figure: str, dataset: xr.Dataset) -> dict[str, bool]:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("figure", accuracy_figures())
+@pytest.mark.parametrize("figure", BENCHMARKS)
 def test_every_check_passes(figure):
     assert [claim for claim, good in passed(figure, built(figure)).items() if not good] == []
 
@@ -56,7 +56,7 @@ def spoiled(dataset: xr.Dataset):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("figure", accuracy_figures())
+@pytest.mark.parametrize("figure", BENCHMARKS)
 def test_every_check_refuses_something(figure):
     refused = set()
     for dataset in spoiled(built(figure)):
@@ -66,7 +66,7 @@ def test_every_check_refuses_something(figure):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("figure", accuracy_figures())
+@pytest.mark.parametrize("figure", BENCHMARKS)
 def test_no_run_time_decides(figure):
     """Of times and their ratios other numbers, and every check says the same to the letter."""
     dataset = built(figure).copy(deep=True)

@@ -93,7 +93,7 @@ COMMANDS = [
     ("simulate --scene scene.yaml --out to_scene", "reads"),
     *((words, "belongs to the workflow") for words in (
         "figure 8.3 --out results/datasets", "figure 8.3 --out results/figures", "figure 8.3 --out results/checks",
-        MOTION.replace("x.nc", "results/datasets/file.nc"), MAP.replace("x.nc", "results/attraction/map.nc"),
+        MOTION.replace("x.nc", "results/datasets/file.nc"), MAP.replace("x.nc", "results/datasets/attraction.nc"),
         "sweep --over mass=1:20:2 --out results/datasets/file.nc",
         f"{MAP} --figure results/figures/attraction.png",
         "follow --over mass=10.2:14 --set mass=11 --out results/datasets/file.nc",

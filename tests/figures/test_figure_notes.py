@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from references.drives import PARADOX, threads_drive
-from references.figure_checks import assert_drawn_from_file, dataset_of, draft
+from references.figure_checks import assert_drawn_from_file, coarse, dataset_of
 
 from lsvib.datasets import phase_plane
 from lsvib.datasets.io import write_dataset
@@ -85,7 +85,7 @@ def test_the_sides_of_the_line_have_the_sign_of_the_contact_force(words):
 
 
 def test_the_sectors_of_figure_8_7_have_the_signs_of_the_contact_force():
-    figure, settings = dataset_of("fig8_07"), draft("fig8_07")
+    figure, settings = dataset_of("fig8_07"), coarse("fig8_07")
     drive = Drive.of(settings["drive"])
     axes = fig8_07.draw(figure).axes[0]
     sectors = [text for text in axes.texts if text.get_text().startswith(r"$\dot\theta")]

@@ -1,6 +1,6 @@
 """Every figure: its checks pass, and refuse spoiled data; its file alone gives a picture, and repeats its motions.
 
-Figures 8.1 to 8.15 and those that the book describes without a picture, on draft settings. Each coefficient of the
+Figures 8.1 to 8.15 and those that the book describes without a picture, on coarse grids. Each coefficient of the
 equations of motion, wrong by 0.5 %, stops a figure that it is in or fails a check of it.
 """
 
@@ -27,7 +27,7 @@ from lsvib.dynamics.attractor import Attractor
 from lsvib.engine import motion
 from lsvib.errors import LsvibError
 from lsvib.figures import style
-from lsvib.figures.configuration import default_figures
+from lsvib.figures.configuration import FIGURES
 from lsvib.figures.contact_force import ForceOutcome
 from lsvib.figures.fig8_03 import Stability
 from lsvib.models import mechanics, modes, rigid
@@ -125,7 +125,7 @@ def own_checks(figure):
     return checks_of(figure, dataset_of(figure))
 
 
-@pytest.mark.parametrize("figure", default_figures())
+@pytest.mark.parametrize("figure", FIGURES)
 def test_every_check_passes(figure):
     """One of them is seen to fail."""
     assert own_checks(figure)
@@ -135,7 +135,7 @@ def test_every_check_passes(figure):
 
 def test_every_claim_is_checked_by_the_figure_that_it_names():
     """The figure that its id begins with, or, where that is what several figures share, the one that an entry names."""
-    made = {figure: {check.id for check in own_checks(figure)} for figure in default_figures()}
+    made = {figure: {check.id for check in own_checks(figure)} for figure in FIGURES}
     assert set().union(*made.values()) == set(claims())
     assert [name for name in claims() if name not in made.get(name.partition(".")[0], claims())] == []
     for entry in listed()["entries"]:
@@ -143,7 +143,7 @@ def test_every_claim_is_checked_by_the_figure_that_it_names():
         assert name is None or name in made.get(entry.get("figure"), claims()), entry
 
 
-@pytest.mark.parametrize("figure", default_figures())
+@pytest.mark.parametrize("figure", FIGURES)
 def test_no_variable_of_its_file_is_empty_and_a_motion_is_plotted_over_its_time(figure, tmp_path):
     write_dataset(dataset_of(figure), tmp_path / "a.nc")
     file = xr.open_dataset(tmp_path / "a.nc")
@@ -154,7 +154,7 @@ def test_no_variable_of_its_file_is_empty_and_a_motion_is_plotted_over_its_time(
         assert len(axes.get_title()) < 80
 
 
-@pytest.mark.parametrize("figures", sizes([default_figures()[::6]], [default_figures()[3::6]], [default_figures()]))
+@pytest.mark.parametrize("figures", sizes([FIGURES[::6]], [FIGURES[3::6]], [FIGURES]))
 def test_every_figure_is_drawn_from_its_file_without_the_engine(figures, tmp_path):
     for figure in figures:
         write_dataset(dataset_of(figure), tmp_path / f"{figure}.nc")
@@ -171,13 +171,13 @@ for figure in sys.argv[1:]:
 
 def test_a_name_has_one_meaning_in_all_files():
     found = defaultdict(set)
-    for figure in default_figures():
+    for figure in FIGURES:
         for name, variable in dataset_of(figure).variables.items():
             found[name].add((variable.attrs["units"], variable.attrs["long_name"]))
     assert {name: meanings for name, meanings in found.items() if len(meanings) > 1} == {}
 
 
-@pytest.mark.parametrize("figure", default_figures())
+@pytest.mark.parametrize("figure", FIGURES)
 def test_every_parameter_is_stated_with_its_origin(figure):
     dataset = dataset_of(figure)
     assert set(dict(Drive())) <= set(dataset.variables)
@@ -282,7 +282,7 @@ def quantity(request, right, monkeypatch):
         monkeypatch.setattr(mechanics, name, lambda *values: formula(*values) * WRONG)
         if (power := {"Γ": 0, "C": 1}.get(request.param)) is not None:  # the coefficient that is made of it
             monkeypatch.setattr(mechanics.LinearParts, "polynomial", lambda parts: _wrong_at(whole(parts), power))
-    monkeypatch.setattr(motion, "_MANY_EVENTS", 100_000)  # of a motion; those of the right drafts have fewer
+    monkeypatch.setattr(motion, "_MANY_EVENTS", 100_000)  # of a motion; those of the right datasets have fewer
     forget()
     yield request.param
     forget()
@@ -312,7 +312,7 @@ def _by_hand(figure, name):
 
 CASES = [
     pytest.param(figure, name, marks=pytest.mark.search if _by_hand(figure, name) else pytest.mark.slow)
-    for figure, name in product(default_figures(), QUANTITIES)
+    for figure, name in product(FIGURES, QUANTITIES)
 ]
 
 

@@ -12,7 +12,7 @@ import pytest
 from references import chromium
 
 import lsvib
-from lsvib.figures.configuration import default_figures
+from lsvib.figures.configuration import FIGURES
 
 ROOT = Path(__file__).parents[2]
 PAGES = sorted(
@@ -75,7 +75,7 @@ def test_a_script_runs_and_prints_what_is_known(script, tmp_path):
 def site(tmp_path_factory):
     """The pages of the site, with the pictures of a run of the workflow if there has been one, as in ``.ci/run``."""
     out = tmp_path_factory.mktemp("docs")
-    drawn = all((PICTURES / f"{figure}.png").is_file() for figure in default_figures())
+    drawn = all((PICTURES / f"{figure}.png").is_file() for figure in FIGURES)
     shown = ["--pictures", str(PICTURES)] if drawn else ["--without-pictures"]
     command = [sys.executable, str(ROOT / "docs" / "build_site.py"), str(out), *shown]
     done = subprocess.run(command, capture_output=True, text=True, env={**os.environ, "PYTHONWARNINGS": "ignore"})
@@ -90,7 +90,7 @@ def test_the_site_has_every_page_every_figure_and_every_public_name(site):
     pages = {path.relative_to(site).with_suffix("").as_posix() for path in site.rglob("*.html")}
     assert {path.stem for path in (ROOT / "docs").glob("*.md")} <= pages
     assert {"index", "settings", "contributing", "changelog", "parameters"} <= pages
-    assert {Path(page).name for page in pages if page.startswith("gallery/")} >= {*default_figures(), *PRINTED}
+    assert {Path(page).name for page in pages if page.startswith("gallery/")} >= {*FIGURES, *PRINTED}
     reference = (site / "api.html").read_text(encoding="utf-8")
     for public in lsvib.__all__:
         assert f'id="lsvib.{public}"' in reference

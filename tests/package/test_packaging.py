@@ -21,10 +21,10 @@ import grimp
 import pytest
 import yaml
 from references.drives import GIVEN
-from references.figure_checks import draft
+from references.figure_checks import coarse
 
 import lsvib
-from lsvib.figures.configuration import PARTS, default_figures, module_of
+from lsvib.figures.configuration import FIGURES, PARTS, module_of
 
 ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
@@ -103,7 +103,6 @@ def test_the_wheel(tmp_path):
     assert (tmp_path / "built" / "fig8_03.png").is_file()
 
 
-FIGURES = default_figures()
 CHEAP = ("fig8_01", "fig8_03", "fig8_04", "fig8_07", "fig8_08", "fig8_09", "fig8_11", "fig8_15")  # of each module one
 WITHOUT_ENGINE = [
     "--help",
@@ -177,7 +176,7 @@ def test_the_package_loads_nothing_heavy():
 @pytest.mark.slow
 def test_a_dataset_is_built_without_matplotlib():
     """And the workflow, which reruns a figure when a file of its import closure changes, knows all that is loaded."""
-    settings = {figure: draft(figure) for figure in CHEAP}
+    settings = {figure: coarse(figure) for figure in CHEAP}
     own = f"{{part: getattr(module, part)({settings!r}[figure]) for part in {PARTS} if hasattr(module, part)}}"
     code = f"module.build({settings!r}[figure], **{own}) if figure in {CHEAP!r} else None"
     graph = grimp.build_graph("lsvib", cache_dir=None)

@@ -1,4 +1,4 @@
-"""The datasets of the figures on draft settings, ways to spoil them, and pictures."""
+"""The datasets of the figures on coarse grids, ways to spoil them, and pictures."""
 
 import re
 from collections.abc import Callable
@@ -17,27 +17,27 @@ from lsvib.datasets.io import read_dataset
 from lsvib.figures import build, style
 from lsvib.figures.configuration import load
 
-CONFIG = Path(__file__).parents[2] / "config"
+STANDARD, COARSE = Path(__file__).parents[2] / "config" / "config.yaml", Path(__file__).with_name("coarse.yaml")
 Spoiler = Callable[[xr.Dataset], xr.Dataset]
 
 
 @cache
-def _config(name: str) -> dict:
-    return yaml.safe_load((CONFIG / f"{name}.yaml").read_text())
+def _read(file: Path) -> dict:
+    return yaml.safe_load(file.read_text())
 
 
-def draft(figure: str) -> dict:
-    """The settings of a figure as the workflow merges them for a draft."""
+def coarse(figure: str) -> dict:
+    """The settings of a figure on grids that take little time."""
 
     def merge(old: dict, new: dict) -> dict:
         return {**old, **{k: merge(old[k], v) if isinstance(v, dict) else v for k, v in new.items()}}
 
-    return merge(deepcopy(_config("config")[figure]), _config("draft").get(figure, {}))
+    return merge(deepcopy(_read(STANDARD)[figure]), _read(COARSE).get(figure, {}))
 
 
 @cache
 def dataset_of(figure: str) -> xr.Dataset:
-    return build.dataset_of(figure, draft(figure))
+    return build.dataset_of(figure, coarse(figure))
 
 
 def checks_of(figure: str, dataset: xr.Dataset) -> list[Check]:

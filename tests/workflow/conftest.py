@@ -3,17 +3,16 @@
 import fcntl
 import os
 import shutil
+import signal
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
-from tools.snakemake_run import snakemake
 
 ROOT = Path(__file__).parents[2]
 PARTS = ("Snakefile", "benchmarks", "config", "examples", "profiles", "src", "tests/references", "workflow")
 TINY = "figures: [fig8_03, fig8_08]\n"
-DONE = "All figures are drawn and all checks passed"
 
 
 class Project:
@@ -25,19 +24,22 @@ class Project:
 
     def __call__(self, *arguments: str) -> subprocess.CompletedProcess:
         """Run Snakemake and wait; stderr goes where stdout goes, as on a terminal."""
-        return snakemake(self.folder, self.environment, "-j2", *arguments)
+        command, both = [sys.executable, "-m", "snakemake", "-j2", *arguments], subprocess.STDOUT
+        where = {"cwd": self.folder, "env": self.environment}
+        return subprocess.run(command, stdout=subprocess.PIPE, stderr=both, text=True, timeout=300, **where)
 
     def start(self, *arguments: str) -> subprocess.Popen:
-        command, silent = [sys.executable, "-m", "snakemake", "-j2", *arguments], subprocess.DEVNULL
-        where = {"cwd": self.folder, "env": self.environment}
-        return subprocess.Popen(command, stdout=silent, stderr=silent, start_new_session=True, **where)
+        command, both = [sys.executable, "-m", "snakemake", "-j2", *arguments], subprocess.STDOUT
+        where = {"cwd": self.folder, "env": self.environment, "text": True}
+        where["preexec_fn"] = lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)  # also where our own is ignored
+        return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=both, start_new_session=True, **where)
 
     def plan(self, *arguments: str) -> set[str]:
-        """Return what a run would do now: messages of its jobs, without that of the target rule."""
+        """Return what a run would do now: messages of its jobs, without the verdict, which every run has."""
         run = self("-n", *arguments)
         assert run.returncode == 0, run.stdout
         lines = (line.split(":", 1) for line in run.stdout.splitlines() if line.startswith("Job "))
-        return {message.strip() for job, message in lines if job[4:].isdigit()} - {DONE}
+        return {message.strip() for job, message in lines if job[4:].isdigit()} - {"Judging the checks"}
 
     def edit(self, file: str, old: str, new: str) -> None:
         path = self.folder / file
@@ -45,10 +47,14 @@ class Project:
         assert old in text
         path.write_text(text.replace(old, new), encoding="utf-8")
 
+    def files(self) -> dict[Path, int]:
+        """Return the results and when each was written, without what Snakemake notes of them."""
+        return {path: path.stat().st_mtime_ns for path in (self.folder / "results").rglob("*") if path.is_file()}
+
 
 @pytest.fixture
 def fresh(tmp_path: Path) -> Project:
-    return without_engine(tmp_path / "project")
+    return copy_of_sources(tmp_path / "project")
 
 
 @pytest.fixture(scope="session")
@@ -64,7 +70,7 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> tuple[Project, str]:
     with (folder / "lock").open("w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         if not said.exists():
-            run = without_engine(folder / "project")()
+            run = copy_of_sources(folder / "project")()
             assert run.returncode == 0, run.stdout
             said.write_text(run.stdout, encoding="utf-8")
     return Project(folder / "project"), said.read_text(encoding="utf-8")
@@ -75,14 +81,6 @@ def built(finished: tuple[Project, str], tmp_path: Path) -> Project:
     """Return a copy of the finished project, to be changed."""
     shutil.copytree(finished[0].folder, tmp_path / "project")
     return Project(tmp_path / "project")
-
-
-def without_engine(folder: Path) -> Project:
-    """Return such a copy, of two figures without engine, whose jobs do not load it in vain."""
-    project = copy_of_sources(folder)
-    figures = 'name for name in _LIBRARIES if not name.startswith(("numba", "lsvib.dynamics"))'
-    project.edit("workflow/jobs.py", "forkserver_preload(_LIBRARIES)", f"forkserver_preload([{figures}])")
-    return project
 
 
 def copy_of_sources(folder: Path) -> Project:
@@ -97,6 +95,5 @@ def copy_of_sources(folder: Path) -> Project:
         else:
             shutil.copy2(ROOT / part, folder / part)
     config = folder / "config" / "config.yaml"
-    lines = config.read_text(encoding="utf-8").splitlines(keepends=True)
-    config.write_text(TINY + "".join(lines), encoding="utf-8")
+    config.write_text(TINY + config.read_text(encoding="utf-8"), encoding="utf-8")
     return Project(folder)

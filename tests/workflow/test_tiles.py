@@ -12,7 +12,7 @@ from lsvib.figures.configuration import given
 
 pytestmark = pytest.mark.workflow
 
-MAP = "results/attraction/map.nc"
+MAP = "results/datasets/attraction.nc"
 THREE = ("--set-scatter", "attraction=3")
 
 

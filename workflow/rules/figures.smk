@@ -2,107 +2,103 @@
 
 
 rule core:
-    """Compile one part of the engine: the rule of what motions end in, the flow of rigid drives, of drives with parts, of
-    a friction law, or the mapper.
-
-    Several parts may be compiled side by side; a figure waits only for those that it runs. The flow of drives with
-    parts takes longest, and asks the rule last.
-    """
-    input:
-        sources=source_files(module for module in import_graph().modules if ".kernels." in module),
-        before=lambda wildcards: [marker(part) for part in CALLED[wildcards.part]],
+    """Compile one part of the engine: the flow of rigid drives, of drives with parts, or of a friction law."""
     output:
-        "results/engine/{part}.txt",
+        "<results>/engine/{part}.txt",
     log:
-        "logs/core/{part}.log",
+        "<logs>/core/{part}.log",
+    benchmark:
+        "<results>/benchmarks/core/{part}.tsv"
     wildcard_constraints:
-        part="|".join(ENGINE),
+        part="planar|modal|taylor",
     priority: 1  # others wait for it
     params:
-        code=code(jobs.compile_engine),
-        numba=importlib.metadata.version("numba"),
+        sources=sources,
     message:
         "Compiling the engine: {wildcards.part}"
-    run:
-        jobs.run(jobs.compile_engine, log[0], wildcards.part, wildcards.part, list(input.sources), output[0])
+    script:
+        "../scripts/core.py"
 
 
 rule analyse:
     """Analyse the drives of a figure: eigenvalues, conditions of instability, thresholds."""
-    input:
-        sources=part_sources("lsvib.datasets.analysis"),
     output:
-        "results/analysis/{figure}.nc",
+        "<results>/analysis/{figure}.nc",
     log:
-        "logs/analyse/{figure}.log",
+        "<logs>/analyse/{figure}.log",
+    benchmark:
+        "<results>/benchmarks/analyse/{figure}.tsv"
+    wildcard_constraints:
+        figure=ANALYSED,
     params:
-        code=code(jobs.part),
+        part="analysis",
         settings=settings,
+        sources=sources,
     message:
         "Analysing the drives of {wildcards.figure}"
-    run:
-        jobs.run(jobs.part, log[0], wildcards.figure, wildcards.figure, "analysis", params.settings, output[0])
+    script:
+        "../scripts/part.py"
 
 
-rule map:
-    """Map grids of starts of a figure to the attractors of their motions."""
+use rule analyse as map with:
     input:
-        sources=part_sources("lsvib.datasets.map"),
-        engine=[marker("planar"), marker("mapper")],
+        engine="<results>/engine/planar.txt",
     output:
-        "results/maps/{figure}.nc",
+        "<results>/maps/{figure}.nc",
     log:
-        "logs/map/{figure}.log",
+        "<logs>/map/{figure}.log",
+    benchmark:
+        "<results>/benchmarks/map/{figure}.tsv"
+    wildcard_constraints:
+        figure=MAPPED,
     params:
-        code=code(jobs.part),
+        part="maps",
         settings=settings,
+        sources=sources,
     message:
         "Mapping the starts of {wildcards.figure}"
-    run:
-        jobs.run(jobs.part, log[0], wildcards.figure, wildcards.figure, "maps", params.settings, output[0])
 
 
 rule dataset:
     """Compute the dataset of a figure and check it against the chapter."""
     input:
-        unpack(parts),
-        sources=sources("datasets"),
-        engine=lambda wildcards: engine(imports(module_of(wildcards.figure)), settings_of(wildcards.figure).flows),
-        tables=lambda wildcards: list(map(str, settings_of(wildcards.figure).tables)),
+        unpack(inputs),
     output:
-        dataset="results/datasets/{figure}.nc",
-        checks="results/checks/{figure}.json",
+        dataset="<results>/datasets/{figure}.nc",
+        checks="<results>/checks/{figure}.json",
     log:
-        "logs/dataset/{figure}.log",
+        "<logs>/dataset/{figure}.log",
+    benchmark:
+        "<results>/benchmarks/dataset/{figure}.tsv"
     params:
-        code=code(jobs.dataset),
         settings=settings,
-        claims=claims,
+        sources=sources,
     message:
         "Computing {wildcards.figure}"
-    run:
-        jobs.run(jobs.dataset, log[0], wildcards.figure, wildcards.figure, params.settings, input, list(output))
+    script:
+        "../scripts/dataset.py"
 
 
 rule figure:
     """Draw a figure from its dataset."""
     input:
-        dataset="results/datasets/{figure}.nc",
-        sources=sources("figures"),
+        dataset="<results>/datasets/{figure}.nc",
     output:
         png=report(
-            "results/figures/{figure}.png",
+            "<results>/figures/{figure}.png",
             caption="../report/figure.rst",
             category=category,
             labels={"figure": "{figure}"},
         ),
-        pdf="results/figures/{figure}.pdf",
-        caption="results/figures/{figure}.rst",
+        pdf="<results>/figures/{figure}.pdf",
+        caption="<results>/figures/{figure}.rst",
     log:
-        "logs/figure/{figure}.log",
-    params:
-        code=code(jobs.picture),
+        "<logs>/figure/{figure}.log",
+    benchmark:
+        "<results>/benchmarks/figure/{figure}.tsv"
+    wildcard_constraints:
+        figure="|".join((*configuration.FIGURES, *configuration.BENCHMARKS, "attraction", "chart")),
     message:
         "Drawing {wildcards.figure}"
-    run:
-        jobs.run(jobs.picture, log[0], wildcards.figure, wildcards.figure, input.dataset, *output)
+    script:
+        "../scripts/figure.py"

@@ -81,9 +81,9 @@ def figure(
 
 def _name(number: str) -> str:
     """Return the name of a figure, which may be given by its number in the chapter."""
-    from lsvib.figures.configuration import accuracy_figures, default_figures
+    from lsvib.figures.configuration import BENCHMARKS, FIGURES
 
-    labels = {name: _label(name) for name in (*default_figures(), *accuracy_figures())}
+    labels = {name: _label(name) for name in (*FIGURES, *BENCHMARKS)}
     for name, label in labels.items():
         if number in (name, label):
             return name

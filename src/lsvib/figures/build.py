@@ -1,6 +1,6 @@
 """A whole figure: dataset, checks and picture, the same from Python, from the command and in the workflow.
 
-The workflow calls the two halves in jobs of their own, or the whole for a quick look.
+The workflow calls the two halves in jobs of their own.
 """
 
 import json
@@ -14,10 +14,8 @@ from lsvib.datasets.checks import Check
 from lsvib.datasets.io import read_dataset, write_dataset
 from lsvib.errors import InputError
 from lsvib.figures import style
-from lsvib.figures.configuration import PARTS, complete_settings, load, module_of
+from lsvib.figures.configuration import PARTS, complete_settings, load, module_of, sources_of
 from lsvib.files import File, write_json, write_text
-
-FULL, DRAFT = 300, 100  # resolution of a PNG for print and of one for a quick look [dots per inch]
 
 
 def build_figure(
@@ -27,9 +25,7 @@ def build_figure(
     checks_file: File,
     png: File,
     pdf: File | None = None,
-    *,
     caption: File | None = None,
-    resolution: float = FULL,
 ) -> list[Check]:
     """Compute, judge and draw a figure; write its dataset, checks and picture, and return the checks.
 
@@ -37,7 +33,7 @@ def build_figure(
     ``InputError`` about the name and the settings and ``LsvibError`` about files, in one sentence.
     """
     checks = compute_figure(figure, given, dataset_file, checks_file)
-    draw_figure(figure, dataset_file, png, pdf, caption, resolution=resolution)
+    draw_figure(figure, dataset_file, png, pdf, caption)
     return checks
 
 
@@ -53,16 +49,12 @@ def compute_figure(
     dataset_file: File,
     checks_file: File,
     parts: Mapping[str, File] | None = None,
-    sources: str | None = None,
 ) -> list[Check]:
     """Compute the :func:`dataset_of` a figure and judge it, by the function ``checks`` of its module; write both.
 
-    The dataset carries a digest of the ``sources`` that made it in its attribute ``sources_sha256``, if there is one.
     Raises ``InputError`` about the settings and ``LsvibError`` about files, in one sentence.
     """
     dataset = dataset_of(figure, given, parts)
-    if sources is not None:
-        dataset.attrs["sources_sha256"] = sources
     write_dataset(dataset, dataset_file, f"{module_of(figure)}.build")
     checks: list[Check] = load(figure).checks(dataset)
     write_json([check.to_json() for check in checks], checks_file)
@@ -76,7 +68,8 @@ def dataset_of(figure: str, given: Mapping[str, Any], parts: Mapping[str, File] 
     for values that it cannot use it raises ``InputError``.
     ``given``: settings as in its section of ``config/config.yaml``; those that it does not name have their defaults.
     ``parts``: files of parts that are computed already, by name; the others are computed here.
-    The dataset carries the settings as JSON in its attribute ``settings``.
+    The dataset carries the settings as JSON in its attribute ``settings``, and a digest of the sources that made it in
+    ``sources_sha256``.
     """
     settings, module, files = complete_settings(figure, given), load(figure), parts or {}
     own = {
@@ -85,7 +78,7 @@ def dataset_of(figure: str, given: Mapping[str, Any], parts: Mapping[str, File] 
         if hasattr(module, name)
     }
     dataset: xr.Dataset = module.build(settings, **own)
-    return dataset.assign_attrs(settings=json.dumps(settings))
+    return dataset.assign_attrs(settings=json.dumps(settings), sources_sha256=sources_of(figure))
 
 
 def draw_figure(
@@ -94,17 +87,15 @@ def draw_figure(
     png: File,
     pdf: File | None = None,
     caption: File | None = None,
-    *,
-    resolution: float = FULL,
 ) -> None:
     """Draw a figure, ``attraction`` and ``chart`` included, from its dataset and write it.
 
-    ``pdf``, ``caption``: files for the PDF and for the caption in reStructuredText, or None; ``resolution`` of the PNG
-    [dots per inch]. Raises ``LsvibError`` about files, in one sentence.
+    ``pdf``, ``caption``: files for the PDF and for the caption in reStructuredText, or None. Raises ``LsvibError``
+    about files, in one sentence.
     """
     module = load(figure)
     dataset = overview(dataset_file) if figure == "attraction" else read_dataset(dataset_file)  # a map may be large
-    style.save(module.draw(dataset), png, pdf, resolution=resolution)
+    style.save(module.draw(dataset), png, pdf)
     if caption is not None:
         write_text(caption_of(figure, dataset), caption)
 

@@ -1,21 +1,21 @@
 """Which figures there are, their settings, and one sentence about what is wrong with a configuration.
 
-A figure is a module of this package, or of ``benchmarks.figures``, with a function ``build``: its name is found there.
-Figures that share it are made in one module, each by a line ``NAME = Figure(…)``.
-The values of settings are those of ``config/config.yaml``, to which the file beside this module is a link (an installed
-package holds a copy); their type is the class ``Settings`` in the module of the figure. The benchmarks come with a
-checkout only: an installed lsvib knows their names, so that a configuration may have their sections.
+A figure is a module of this package, or of ``benchmarks.figures``, with a function ``build``; two figures that share
+one are made in it by lines ``NAME = Figure(…)``. The values of settings are those of ``config/config.yaml``, to which
+the file beside this module is a link (an installed package holds a copy); their type is the class ``Settings`` in the
+module of the figure. The benchmarks come with a checkout only: an installed lsvib knows their names, so that a
+configuration may have their sections.
 """
 
-import re
+import hashlib
+import sys
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from functools import cache
 from importlib import import_module
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
+import yaml
 from pydantic import Field, ValidationError, create_model
 
 from lsvib.errors import InputError
@@ -23,51 +23,35 @@ from lsvib.figures.settings import DriveChanges, FigureSettings, SettingsSection
 from lsvib.models.complaints import sentence_about
 from lsvib.numbers import shown
 
+FIGURES = (
+    *(f"fig8_{number:02}" for number in range(1, 16)),
+    *("contact_stability", "measured_drive", "nut_stability"),
+)
+"""The figures of the package: those of the chapter first."""
+BENCHMARKS = ("work_precision", "stability_sweeps", "ablation")
+"""The figures of a checkout alone: error against run time, extreme cases, what a scene leaves out."""
+_SHARED = {  # figures that are not in a module of their own name
+    **dict.fromkeys(("fig8_01", "fig8_02"), "contact_portraits"),
+    **dict.fromkeys(("fig8_04", "fig8_05"), "negative_damping"),
+}
+_PACKAGE = Path(__file__).parents[1]
+_CHECKOUT = _PACKAGE.parents[1]
 DEFAULT = Path(__file__).with_name("config.yaml")
-_BENCHMARKS = ("work_precision", "stability_sweeps", "ablation")
 
 PARTS = ("analysis", "maps")
 """Functions of some figures whose results, each a dataset, its ``build`` takes: the analysis of its drives, and maps of
 grids of starts. In the workflow each has a rule and a file of its own."""
 
 
-@cache
-def _modules() -> dict[str, tuple[str, str]]:
-    """Name and text of the module of each figure of the package: those of the chapter first."""
-    found = {}
-    for file in Path(__file__).parent.glob("*.py"):
-        text = file.read_text(encoding="utf-8")
-        names = re.findall(r"^(\w+) = Figure\(", text, re.MULTILINE) or [file.stem] * ("\ndef build(" in text)
-        found |= dict.fromkeys(names, (file.stem, text))
-    return dict(sorted(found.items(), key=lambda item: (not item[0].startswith("fig"), item[0])))
-
-
-def default_figures() -> tuple[str, ...]:
-    """Return the names of the figures of the package: those of the chapter first."""
-    return tuple(_modules())
-
-
-def figures_with(part: str) -> tuple[str, ...]:
-    """Return the names of the figures whose module has a function of this name."""
-    return tuple(name for name, (_, text) in _modules().items() if f"\ndef {part}(" in text)
-
-
-def accuracy_figures() -> tuple[str, ...]:
-    """Return the names of the figures of the target ``accuracy``."""
-    return _BENCHMARKS
-
-
 def module_of(figure: str) -> str:
     """Return the name of the module of a figure; raises ``InputError`` if there is no such figure."""
-    if figure in _BENCHMARKS:
-        with suppress(ModuleNotFoundError):  # no benchmarks, or others
-            if find_spec(f"benchmarks.figures.{figure}"):
-                return f"benchmarks.figures.{figure}"
-        raise InputError(f"figure {figure} does not exist here: the benchmarks come with a checkout of lsvib only.")
-    module, _ = _modules().get(figure, (figure, ""))
-    if module == figure and figure not in (*_modules(), "attraction", "chart"):
-        raise InputError(f"figure = {figure!r} has no file in lsvib.figures.")
-    return f"lsvib.figures.{module}"
+    if figure in BENCHMARKS:
+        if not Path(_CHECKOUT, "benchmarks", "figures").is_dir():
+            raise InputError(f"figure {figure} does not exist here: the benchmarks come with a checkout of lsvib only.")
+        return f"benchmarks.figures.{figure}"
+    if figure not in (*FIGURES, "attraction", "chart"):
+        raise InputError(f"figure = {figure!r} is not one of {', '.join((*FIGURES, *BENCHMARKS))}.")
+    return f"lsvib.figures.{_SHARED.get(figure, figure)}"
 
 
 def load(figure: str) -> Any:
@@ -76,8 +60,22 @@ def load(figure: str) -> Any:
     It has ``Settings``, ``build``, ``checks``, ``draw`` and ``CAPTION``; ``attraction`` and ``chart`` have no ``build``
     and no ``checks``. Raises ``InputError`` if there is no such figure.
     """
-    module = import_module(module_of(figure))
+    name = module_of(figure)
+    if figure in BENCHMARKS and str(_CHECKOUT) not in sys.path:
+        sys.path.append(str(_CHECKOUT))
+    module = import_module(name)
     return getattr(module, figure, module)
+
+
+@cache
+def sources_of(figure: str) -> str:
+    """Return a digest of the sources on which the dataset of a figure depends: all of lsvib.
+
+    For a benchmark also those of the benchmarks, and of the references of the tests.
+    """
+    folders = [_PACKAGE, *(_CHECKOUT / part for part in ("benchmarks", "tests/references") if figure in BENCHMARKS)]
+    files = [*sorted(file for folder in folders for file in folder.rglob("*.py")), _PACKAGE / "models" / "chapter.yaml"]
+    return hashlib.sha256(b"".join(file.read_bytes() for file in files)).hexdigest()
 
 
 class Selection(SettingsSection):
@@ -87,18 +85,11 @@ class Selection(SettingsSection):
         default=DriveChanges(), description="Parameters of the drive of all figures; their `drive` differs from it."
     )
 
-    figures: Annotated[list[Literal[*default_figures(), *_BENCHMARKS]], *Unique] | None = Field(
+    figures: Annotated[list[Literal[*FIGURES, *BENCHMARKS]], *Unique] | None = Field(
         default=None, min_length=1, description="Figures to build; all if it is left out."
     )
-    accuracy_figures: Annotated[list[Literal[*_BENCHMARKS]], *Unique] | None = Field(
-        default=None, min_length=1, description="Figures of the target `accuracy`, as `figures`."
-    )
-    accuracy: dict[Literal[*_BENCHMARKS], dict[str, Any]] = Field(
-        default={}, description="What the target `accuracy` changes in the sections of its figures."
-    )
-    draft: bool = Field(
-        default=False,
-        description="Whether the figures are a quick look, computed and drawn several in one process, without PDF.",
+    pathvars: dict[Literal["results", "logs"], str] = Field(
+        default={}, description="Folders that Snakemake writes to, if they are to be others than results and logs."
     )
 
 
@@ -113,23 +104,33 @@ class Assessments(Selection):
     )
 
 
-def check(configuration: Mapping[str, Any]) -> None:
-    """Check a complete configuration, that of a run of the workflow; raises ``InputError`` in one sentence."""
-    _checked(_configuration(), configuration)
-    for name in selected(configuration):
-        complete_settings(name, given(configuration, name))
-    for name in selected(configuration, "accuracy_figures"):
-        complete_settings(name, given(configuration, name, accuracy=True))
+def checked(configuration: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a complete configuration, that of a run of the workflow; raises ``InputError`` in one sentence.
 
-
-def given(configuration: Mapping[str, Any], figure: str, *, accuracy: bool = False) -> dict[str, Any]:
-    """Return the section of a figure, its drive with all parameters of ``table_8_1`` that it does not change itself.
-
-    ``accuracy``: as the target of that name builds it, with what the section ``accuracy`` has of it on top.
+    What Snakemake's option ``--config`` gives has its numbers inside of lists and mappings as text; here they are
+    numbers.
     """
+    values: dict[str, Any] = _typed(configuration)
+    _checked(_configuration(), values)
+    for name in selected(values):
+        complete_settings(name, given(values, name))
+    return values
+
+
+def _typed(values: Any) -> Any:
+    if isinstance(values, Mapping):
+        return {key: _typed(value) for key, value in values.items()}
+    if isinstance(values, list):
+        return [_typed(value) for value in values]
+    try:
+        return yaml.safe_load(values) if isinstance(values, str) else values
+    except yaml.YAMLError:
+        return values
+
+
+def given(configuration: Mapping[str, Any], figure: str) -> dict[str, Any]:
+    """Return the section of a figure, its drive with all parameters of ``table_8_1`` that it does not change itself."""
     found, table = configuration.get(figure, {}), configuration.get("table_8_1", {})
-    if accuracy:
-        found = _merged(found, configuration.get("accuracy", {}).get(figure, {}))
     if not (table and isinstance(found, dict) and "drive" in settings_of(figure).model_fields):
         return found
     drive = found.get("drive", {})
@@ -141,7 +142,7 @@ def given(configuration: Mapping[str, Any], figure: str, *, accuracy: bool = Fal
 
 def section(configuration: Mapping[str, Any], figure: str) -> Mapping[str, Any]:
     """Return the section of one figure, empty if there is none; raises ``InputError`` about anything but sections."""
-    known = (*Assessments.model_fields, "attraction", "chart", *default_figures(), *accuracy_figures())
+    known = (*Assessments.model_fields, "attraction", "chart", *FIGURES, *BENCHMARKS)
     for key in configuration:
         if key not in known:
             raise InputError(f"{shown(key)} is not a known key; the known keys are {', '.join(known)}.")
@@ -150,17 +151,10 @@ def section(configuration: Mapping[str, Any], figure: str) -> Mapping[str, Any]:
     return given(configuration, figure)
 
 
-def _merged(below: Any, above: Any) -> Any:
-    """Lay one value over another as Snakemake does with two files: mappings key by key, all else as a whole."""
-    if not (isinstance(below, Mapping) and isinstance(above, Mapping)):
-        return above
-    return {**below, **{key: _merged(below.get(key), value) for key, value in above.items()}}
-
-
-def selected(configuration: Mapping[str, Any], key: str = "figures") -> tuple[str, ...]:
-    """Return the names of the figures to build; ``key``: that of a list in the configuration, which may be absent."""
-    of_all = (*default_figures(), *(_BENCHMARKS if find_spec("benchmarks") else ()))  # in a checkout benchmarks, too
-    return tuple(configuration.get(key) or (of_all if key == "figures" else accuracy_figures()))
+def selected(configuration: Mapping[str, Any]) -> tuple[str, ...]:
+    """Return the names of the figures to build: those that the configuration lists, or else all that are here."""
+    here = Path(_CHECKOUT, "benchmarks").is_dir()
+    return tuple(configuration.get("figures") or (*FIGURES, *(BENCHMARKS if here else ())))
 
 
 def complete_settings(figure: str, section: Mapping[str, Any]) -> dict[str, Any]:
@@ -187,7 +181,7 @@ def settings_of(figure: str) -> type[FigureSettings]:
 def _configuration() -> type[SettingsSection]:
     sections: dict[str, Any] = {name: (settings_of(name), ...) for name in ("attraction", "chart")}
     # A section that is missing is no fault unless its figure is to be built.
-    sections |= {name: (settings_of(name), None) for name in (*default_figures(), *accuracy_figures())}
+    sections |= {name: (settings_of(name), None) for name in (*FIGURES, *BENCHMARKS)}
     words = "Configuration of the workflow; SI units throughout."
     return create_model("Configuration", __base__=Assessments, __doc__=words, **sections)
 

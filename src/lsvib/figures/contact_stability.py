@@ -38,6 +38,7 @@ _DASHES = ("-", (0, (5, 1.5)), (0, (3, 1, 1, 1)), (0, (8, 2)), "-", (0, (5, 1.5)
 
 class Settings(of.DriveFigure):
     unused = ("mass",)
+    engine = ()
 
     stiffnesses: of.several(of.parameter("contact_stiffness"), 1, 6, "Contact stiffnesses k_c of the curves [N/m].")
     contact_damping: of.PositiveSpan = Field(description="c_c [N s/m] along the curves, spaced logarithmically.")

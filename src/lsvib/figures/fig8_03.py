@@ -49,6 +49,7 @@ class Stability(IntEnum):
 
 class Settings(DriveFigure):
     unused = ("mass", "translation_damping")
+    engine = ()
 
     inertia: Span = Field(description="Effective inertia [kg m2].")
     damping: Span = Field(description="Effective damping [N m s/rad].")

@@ -31,6 +31,7 @@ _CRITICAL = {"color": style.BLACK, "linewidth": 0.8, "linestyle": ":", "label": 
 
 
 class Settings(DriveFigure):
+    engine = ()
     unused = ("input_speed", "mass", "translation_damping", "axial_force")
 
     mass: PositiveSpan = Field(description="Translating mass [kg].")

@@ -33,7 +33,7 @@ _DISTANCE = (
 
 
 class Settings(of.DriveFigure):
-    flows = ("modal",)
+    engine = ("planar", "modal")
     contact_stiffness: of.parameter("contact_stiffness")
     contact_damping: of.parameter("contact_damping")
     start: of.State

@@ -42,7 +42,7 @@ _COLOURS = (style.BLUE, style.ORANGE, style.VERMILION, style.GREEN)
 
 
 class Settings(DriveFigure):
-    flows = ("modal",)
+    engine = ("planar", "modal")
     contacts: several(Contact, 2, 4, "Contacts whose cycles are drawn, the stiffest first.")
     start: State
     samples: Samples

@@ -42,6 +42,7 @@ _HATCH = "#7F8FA0"
 
 
 class Settings(DriveFigure):
+    engine = ()
     unused = ("support_damping", "friction_coefficient", "input_speed", "translation_damping", "axial_force")
 
     screw_mass: parameter("screw_mass")

@@ -75,7 +75,7 @@ _ROWS = {  # of each direction: further dimensions, unit and words
 
 
 class Settings(FigureSettings):
-    flows: ClassVar = ("taylor",)
+    engine: ClassVar = ("planar", "taylor")
     tables: ClassVar = TABLES
 
     dampings: PositiveSpan = Field(description="Dampings between command and screw [N m s/rad].")

@@ -28,6 +28,7 @@ _COLOURS = {"stable": "#FFFFFF", "kinematic constraint": "#F7D9C4", "flutter": s
 
 
 class Settings(DriveFigure):
+    engine = ()
     unused = ("axial_force", "coupling_stiffness", "input_speed", "support_damping", "translation_damping")
 
     nut_inertia: PositiveSpan = Field(description="I_2 [kg m2], spaced logarithmically.")

@@ -30,16 +30,13 @@ class FigureSettings(SettingsSection):
     """The settings of one figure, and what it needs besides what it imports.
 
     ``unused``: parameters of its drive on which the figure does not depend, because it varies them itself or because
-    they drop out of what it shows. ``needs``: modules that its dataset runs in processes of their own or finds by name.
-    ``timed``: whether its dataset measures run times, so that nothing may run beside it. ``flows``: what the
-    engine has to follow it besides that of rigid drives: ``modal`` with parts that comply, ``taylor`` with friction
-    that depends on speed.
+    they drop out of what it shows. ``engine``: the parts of the compiled engine that its dataset runs: ``planar`` for
+    rigid drives, ``modal`` for parts that comply, ``taylor`` for friction that depends on speed. ``tables``: files that
+    it reads.
     """
 
     unused: ClassVar[tuple[str, ...]] = ()
-    needs: ClassVar[tuple[str, ...]] = ()
-    timed: ClassVar[bool] = False
-    flows: ClassVar[tuple[str, ...]] = ()
+    engine: ClassVar[tuple[str, ...]] = ("planar",)
     tables: ClassVar[tuple[Path, ...]] = ()
 
 

@@ -1,0 +1,10 @@
+"""Assess one drive from its data sheet."""
+
+from pathlib import Path
+
+from job import logged
+
+with logged(snakemake):
+    from lsvib.assess.output import assess_file
+
+    assess_file(Path(snakemake.input.sheet), Path(snakemake.output.page).parent, samples=snakemake.params.samples)

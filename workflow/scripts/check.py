@@ -1,0 +1,14 @@
+"""Collect the checks of all figures."""
+
+from job import logged
+
+with logged(snakemake):
+    from lsvib.datasets.checks import read_checks, report
+    from lsvib.datasets.statements import read_statements
+    from lsvib.files import write_json, write_text
+    from lsvib.models.chapter import FILE
+
+    checks = [pair for file in snakemake.input for pair in read_checks(file)]
+    write_json([{"figure": figure, **check.to_json()} for figure, check in checks], snakemake.output.json)
+    write_text(report("md", checks, read_statements(FILE)), snakemake.output.text)
+    write_text(report("rst", checks), snakemake.output.printed)
