@@ -64,13 +64,6 @@ def orbits(motions: Sequence[Motion]) -> cf.Variables:
     return curve("cycle", ("cycle", "sample"), points, "on the limit cycle")
 
 
-def window_edges(name: str, dims: cf.Dims, windows: Any, of: str = "") -> cf.Variables:
-    """Return the edges of windows (..., 4) of the phase plane, two along u [rad] and two along u′ [rad/s]."""
-    edges, words = np.array(windows), f"edge of the window{of}"
-    values = [edges[..., :2], edges[..., 2:]]
-    return _pair(f"{name}_{{}}", [dims, dims], values, f"left and right {words}", f"bottom and top {words}")
-
-
 def rule_coordinate() -> cf.Variables:
     """Return the coordinate of the rules by which a motion resumes after a seizure."""
     return {"rule": cf.named_index("rule", "rule of resuming after a seizure", RULES)}

@@ -80,21 +80,6 @@ class State(SettingsSection):
     w: float = Field(ge=-1e9, le=1e9)
 
 
-class PlaneWindow(SettingsSection):
-    """Rectangle in the phase plane: edges in u [rad] and in its rate w [rad/s]."""
-
-    left: float = Field(ge=-1e6, le=1e6)
-    right: float = Field(ge=-1e6, le=1e6)
-    bottom: float = Field(ge=-1e9, le=1e9)
-    top: float = Field(ge=-1e9, le=1e9)
-
-    @model_validator(mode="after")
-    def _edges_are_ordered(self) -> Self:
-        _ordered(self.left, self.right, ("left", "right"))
-        _ordered(self.bottom, self.top, ("bottom", "top"))
-        return self
-
-
 def refusing(wrong: Callable[[Any], bool], words: str) -> AfterValidator:
     """Return what refuses some values of a type, in words that follow the value; to be added to the type."""
 
