@@ -16,7 +16,7 @@ from lsvib.figures.configuration import FIGURES
 
 ROOT = Path(__file__).parents[2]
 PAGES = sorted(
-    [*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md"), ROOT / "config" / "README.md", *ROOT.glob("workflow/**/*.md")]
+    [*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md"), ROOT / "config" / "README.md", *ROOT.glob("profiles/**/*.md")]
 )
 # Those of docs/python.md run in tests/api/test_api.py.
 EXAMPLES = [path for path in PAGES if ">>> " in path.read_text(encoding="utf-8") and path.name != "python.md"]
