@@ -1,4 +1,4 @@
-"""All that can be asked of a drive: the methods that drives get when this module is loaded.
+"""All that can be asked of a drive, by its methods.
 
 A method does what the command of the same name does, by the same function. What a question needs is loaded when it is
 asked: making a drive, or asking for its stability, loads no engine. The examples begin with ``import lsvib``.
@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from lsvib.models import drive as _drives
+from lsvib.models import drive
 from lsvib.models.command import Command
 from lsvib.models.mechanics import Coefficients, coefficients
 from lsvib.models.scene import Scene
@@ -30,19 +30,16 @@ if TYPE_CHECKING:
     from lsvib.engine.automaton import Automaton
     from lsvib.models.description import Description
 
-    _Base = _drives.Drive
     Values = Sequence[float] | np.ndarray  # of a parameter, in SI units
-else:
-    _Base = object  # the methods go to the class Drive itself, below
 
 Start = Mapping[str, float] | Literal["rest"]  # coordinates of a start by name, in SI units
 Terms = Sequence[str] | None  # of the equations of motion, by name
 
-__all__ = ["Drive", "DriveMethods", "Scene", "simulate"]
+__all__ = ["Drive", "Scene", "simulate"]
 
 
-class DriveMethods(_Base):
-    """What can be asked of a drive."""
+class Drive(drive.Drive):
+    __doc__ = drive.Drive.__doc__
 
     @property
     def coefficients(self) -> Coefficients:
@@ -416,14 +413,3 @@ def simulate(scene: Scene | Mapping[str, Any] | str | Path) -> "xr.Dataset":
     from lsvib.datasets.motion import Simulation, as_scene
 
     return Simulation.of(as_scene(scene, {}, {})).dataset()
-
-
-if TYPE_CHECKING:  # the class with its methods, as users see it
-
-    class Drive(DriveMethods): ...
-
-else:
-    Drive = _drives.Drive
-    for _name, _method in vars(DriveMethods).items():
-        if not _name.startswith("__"):
-            setattr(Drive, _name, _method)

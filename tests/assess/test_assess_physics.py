@@ -7,6 +7,7 @@ import pytest
 from references.random_sheets import LAW, sheet
 from stability.test_friction_law import random_drive
 
+from lsvib import Drive
 from lsvib.assess.assessment import assess
 from lsvib.assess.margins import margins, sensitivities
 from lsvib.assess.mechanisms import NAMES
@@ -14,7 +15,6 @@ from lsvib.assess.operation import Draw
 from lsvib.assess.sheet import Sheet
 from lsvib.dynamics.attractor import Attractor, steady_state
 from lsvib.models import friction
-from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients, damping_by_slope
 from lsvib.models.mechanism import standing_state
 from lsvib.models.rigid import rigid_automaton

@@ -17,13 +17,14 @@ from references.known import BASINS
 from references.rigid_digits import GUARD_DIGITS, RigidTrueDrive, RigidTrueFlow
 from references.sizes import sizes
 
+from lsvib import Drive
 from lsvib.basins.boundary import basin
 from lsvib.basins.curves import Arc, Window, state_on
 from lsvib.basins.grid import Axis, Grid
 from lsvib.basins.mapper import mapper
 from lsvib.dynamics.attractor import Attractor, steady_state
 from lsvib.errors import InputError
-from lsvib.models.drive import PART_OF, Drive
+from lsvib.models.drive import PART_OF
 from lsvib.models.friction import NAMES
 from lsvib.models.rigid import rigid_automaton
 

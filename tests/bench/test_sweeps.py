@@ -18,9 +18,9 @@ from benchmarks.sweeps.cases import cases
 from benchmarks.sweeps.energy_balance import balance, residual, terms
 from benchmarks.sweeps.families import Case, CaseFamily
 from benchmarks.sweeps.paths import automaton, fields
+from lsvib import Drive
 from lsvib.engine.motion import follow
 from lsvib.errors import EngineError, InputError
-from lsvib.models.drive import Drive
 from lsvib.models.model import model_of
 from lsvib.models.rigid import rigid_automaton
 

@@ -16,6 +16,7 @@ from references.command_line import MOTION, refused
 from references.drives import PARADOX
 from references.sizes import sizes
 
+from lsvib import Drive
 from lsvib.datasets.attributes import counted
 from lsvib.datasets.io import read_dataset
 from lsvib.engine.motion import follow
@@ -23,7 +24,6 @@ from lsvib.errors import LsvibError
 from lsvib.figures.build import compute_figure
 from lsvib.figures.configuration import DEFAULT, check, standard_settings
 from lsvib.files import check_outputs, replacing, uninterrupted
-from lsvib.models.drive import Drive
 from lsvib.models.pairings import PAIRINGS
 from lsvib.models.rigid import rigid_automaton
 from lsvib.models.scene import read_yaml

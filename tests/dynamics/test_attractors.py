@@ -20,13 +20,13 @@ import pytest
 from references.drives import DRIVES, OFFERED, catalogue_drive
 from references.known import NEGATIVE_DAMPING, PARADOX
 
+from lsvib import Drive
 from lsvib.dynamics.attractor import Attractor, Doubt, SteadyState, orbit_extremes, steady_state
 from lsvib.dynamics.energy import observable_integrals
 from lsvib.dynamics.kernels import attractor as rule
 from lsvib.engine.kernels import flow_planar, layout
 from lsvib.engine.motion import Budget, Motion, follow
 from lsvib.errors import WorkSpentError
-from lsvib.models.drive import Drive
 from lsvib.models.model import automaton_of, model_of
 from lsvib.models.names import Event
 from lsvib.models.rigid import rigid_automaton

@@ -12,12 +12,13 @@ from references.drives import LIKE_PARTS, drawn, one_of, random_drive, uniform, 
 from references.known import NEAR_FOLD, NEGATIVE_DAMPING, PARADOX, REPELLING_SLIP
 from references.sizes import sizes
 
+from lsvib import Drive
 from lsvib.basins.grid import Axis, Grid
 from lsvib.basins.mapper import mapper
 from lsvib.dynamics.attractor import Attractor
 from lsvib.dynamics.sweep import all_endings, ending_of, endings_at_once
 from lsvib.errors import InputError
-from lsvib.models.drive import PART_OF, Drive
+from lsvib.models.drive import PART_OF
 from lsvib.models.many import ManyDrives, groups
 from lsvib.models.mechanism import standing_state
 from lsvib.models.model import automaton_of

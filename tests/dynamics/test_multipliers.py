@@ -26,13 +26,12 @@ from references.friction_law_digits import PRECISION, LawDrive, simulate
 from references.sizes import sizes
 
 import lsvib
-import lsvib.api
+from lsvib import Drive
 from lsvib.dynamics.attractor import Attractor, steady_state
 from lsvib.dynamics.cycles import cycle_of
 from lsvib.dynamics.poincare_map import Section, derivative, section_key
 from lsvib.engine.motion import follow
 from lsvib.errors import EngineError
-from lsvib.models.drive import Drive
 from lsvib.models.mechanism import seated_state, standing_state
 from lsvib.models.model import automaton_of
 from lsvib.models.names import Event

@@ -20,9 +20,9 @@ from references.comparisons import RULES, compare
 from references.drives import random_drive, random_start
 from references.known import NEGATIVE_DAMPING
 
+from lsvib import Drive
 from lsvib.engine.exact.modal_form import oscillator
 from lsvib.engine.kernels import flow_planar, layout
-from lsvib.models.drive import Drive
 from lsvib.models.names import Event
 from lsvib.models.rigid import MotionMode, rigid_automaton
 

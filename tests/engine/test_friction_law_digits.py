@@ -17,10 +17,10 @@ import pytest
 from references.friction_law_digits import simulate
 from references.sizes import sizes
 
+from lsvib import Drive
 from lsvib.engine.kernels.layout import FIRST_MODEL_KIND
 from lsvib.engine.motion import follow
 from lsvib.errors import InputError
-from lsvib.models.drive import Drive
 from lsvib.models.names import Event
 from lsvib.models.rigid import rigid_automaton
 

@@ -18,12 +18,12 @@ import pytest
 from references.drives import threads_drive
 from references.known import NEGATIVE_DAMPING, PARADOX
 
+from lsvib import Drive
 from lsvib.engine import motion as runs
 from lsvib.engine.exact.modal_form import linear_mode, modal_flow
 from lsvib.engine.kernels import event_loop, jit
 from lsvib.engine.motion import bouncing, follow
 from lsvib.errors import EngineError
-from lsvib.models.drive import Drive
 from lsvib.models.model import automaton_of
 from lsvib.models.rigid import rigid_automaton
 
@@ -196,7 +196,7 @@ PROGRAM = """
 import json
 from lsvib.dynamics.attractor import steady_state
 from lsvib.engine.motion import follow
-from lsvib.models.drive import Drive
+from lsvib import Drive
 from lsvib.models.rigid import rigid_automaton
 
 results = []

@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 import yaml
 
+from lsvib import Drive
 from lsvib.datasets.checks import report
 from lsvib.datasets.statements import counted, read_statements
 from lsvib.models.chapter import FILE, listed
-from lsvib.models.drive import Drive
 
 ROOT = Path(__file__).parents[2]
 CONFIG = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))

@@ -8,6 +8,7 @@ import xarray as xr
 from references.drives import PARADOX, threads_drive
 from references.figure_checks import assert_drawn_from_file, coarse, dataset_of
 
+from lsvib import Drive
 from lsvib.datasets import phase_plane
 from lsvib.datasets.io import write_dataset
 from lsvib.dynamics.attractor import orbit_extremes, steady_state
@@ -16,7 +17,6 @@ from lsvib.engine.motion import follow
 from lsvib.figures import contact_force, fig8_07, impacts, style
 from lsvib.figures import drawing as drawn
 from lsvib.figures.build import caption_of
-from lsvib.models.drive import Drive
 from lsvib.models.mechanism import seated_state
 from lsvib.models.model import automaton_of
 from lsvib.models.names import Event

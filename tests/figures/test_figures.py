@@ -32,7 +32,7 @@ from lsvib.figures.contact_force import ForceOutcome
 from lsvib.figures.fig8_03 import Stability
 from lsvib.models import mechanics, modes, rigid
 from lsvib.models.chapter import claims, listed
-from lsvib.models.drive import Drive, forget
+from lsvib.models.drive import forget
 from lsvib.models.names import Event
 from lsvib.stability.spectrum import UndampedClass
 

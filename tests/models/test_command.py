@@ -7,11 +7,11 @@ import pytest
 from references.known import PARADOX
 
 import lsvib
+from lsvib import Drive
 from lsvib.datasets.motion import Simulation, as_scene
 from lsvib.engine.motion import Budget, follow
 from lsvib.errors import InputError
 from lsvib.models.command import Command
-from lsvib.models.drive import Drive
 from lsvib.models.mechanism import standing_state
 from lsvib.models.model import model_of
 from lsvib.models.names import Event

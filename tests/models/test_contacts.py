@@ -10,9 +10,9 @@ from references.contacts import Contacts
 from references.drives import drawn, one_of, power, signed, times, uniform
 from references.sizes import sizes
 
+from lsvib import Drive
 from lsvib.errors import InputError
 from lsvib.models.command import Command
-from lsvib.models.drive import Drive
 from lsvib.models.mechanism import standing_state
 from lsvib.models.model import automaton_of, model_of
 from lsvib.models.names import Event

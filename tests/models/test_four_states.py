@@ -12,10 +12,10 @@ from references.drives import DRIVES as KINDS
 from references.drives import threads_drive
 from references.four_states_digits import mode_name, simulate
 
-import lsvib.api  # noqa: F401  (the methods of drives)
+from lsvib import Drive
 from lsvib.engine.kernels.layout import FIRST_MODEL_KIND
 from lsvib.engine.motion import follow
-from lsvib.models.drive import DRY, PART_OF, Drive
+from lsvib.models.drive import DRY, PART_OF
 from lsvib.models.model import automaton_of, model_of
 from lsvib.models.names import Event
 from lsvib.models.rigid import MotionMode, rigid_automaton

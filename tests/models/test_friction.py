@@ -12,10 +12,11 @@ from flint import arb, arb_series
 from references.command_line import complaint
 from references.drives import nut_drive, support_drive, threads_drive
 
+from lsvib import Drive
 from lsvib.engine.exact.arithmetic import many_digits, sign
 from lsvib.errors import EngineError, InputError
 from lsvib.models import friction, pairings
-from lsvib.models.drive import Drive, changed
+from lsvib.models.drive import changed
 from lsvib.models.mechanics import coefficients, coefficients_of, plus, solved
 from lsvib.stability.threshold import solve_threshold
 

@@ -6,10 +6,11 @@ import pytest
 from pydantic import ValidationError
 from references.command_line import complaint
 
+from lsvib import Drive
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.models import chapter, friction
 from lsvib.models.complaints import allowed_range
-from lsvib.models.drive import DRY, PART_OF, Drive, may_vanish, zero_if_close
+from lsvib.models.drive import DRY, PART_OF, may_vanish, zero_if_close
 from lsvib.models.scene import Scene, read_yaml
 
 RANGES = {  # of the drive of the chapter

@@ -10,13 +10,14 @@ from references.comparisons import held_against_newton
 from references.drives import drawn, nut_drive, one_of, power, signed, support_drive, times, uniform
 from references.sizes import sizes
 
+from lsvib import Drive
 from lsvib.datasets.sweep import sweep
 from lsvib.dynamics.attractor import steady_state
 from lsvib.dynamics.energy import work
 from lsvib.engine.motion import follow
 from lsvib.errors import EngineError, InputError
 from lsvib.models import friction
-from lsvib.models.drive import PARTS, Drive
+from lsvib.models.drive import PARTS
 from lsvib.models.mechanism import standing_state
 from lsvib.models.model import automaton_of, model_of
 from lsvib.stability.boundaries import places

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from lsvib import Drive
 from lsvib.engine.kernels.layout import ACCUMULATION_KIND, GRAZE_KIND
 from lsvib.engine.motion import Motion, follow
 from lsvib.models.command import Command
-from lsvib.models.drive import Drive
 from lsvib.models.model import automaton_of, model_of
 from lsvib.models.names import Event
 from lsvib.models.rigid import rigid_automaton

@@ -3,11 +3,11 @@
 from typing import Any
 
 from benchmarks.sheets.own_sheets import OwnSheet
+from lsvib import Drive
 from lsvib.assess.materials import NUT_MATERIALS, SCREW_MATERIALS
 from lsvib.assess.operation import Draw
 from lsvib.assess.sheet import Sheet
 from lsvib.errors import InputError
-from lsvib.models.drive import Drive
 from lsvib.models.pairings import PAIRINGS
 
 CHAPTER = {

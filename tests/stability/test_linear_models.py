@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from references.drives import DRIVES, nut_drive, support_drive, threads_drive
 from references.newton import eigenvalues, state_matrix
 
+from lsvib import Drive
 from lsvib.engine.exact.arithmetic import many_digits
-from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
 from lsvib.stability import conditions, spectrum
 from lsvib.stability.boundaries import place_values

@@ -7,8 +7,8 @@ import math
 
 import pytest
 
+from lsvib import Drive
 from lsvib.models import chapter
-from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
 from lsvib.numbers import bisected
 from lsvib.stability.force_thresholds import threshold_force

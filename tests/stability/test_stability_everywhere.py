@@ -17,8 +17,9 @@ from references.drives import DRIVES, MODELS, support_drive, threads_drive, wide
 from references.newton import DIGITS, eigenvalues, is_stable, steady_law
 from references.threshold_digits import Named
 
+from lsvib import Drive
 from lsvib.errors import InputError
-from lsvib.models.drive import PARTS, Drive, zero_if_close
+from lsvib.models.drive import PARTS, zero_if_close
 from lsvib.stability import spectrum
 from lsvib.stability.boundaries import stable_set
 from lsvib.stability.conditions import stability

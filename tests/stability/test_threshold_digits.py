@@ -23,12 +23,12 @@ from references.drives import DRIVES as KINDS
 from references.drives import LIKE_PARTS, LIKE_TABLE_8_1, PARADOX, about, decades, drawn, one_of, rigid_values, times
 from references.threshold_digits import WORK, gap, root
 
+from lsvib import Drive
 from lsvib.basins.boundary import Boundary, basin
 from lsvib.dynamics.attractor import Attractor, steady_state
 from lsvib.engine.kernels.layout import Status
 from lsvib.engine.motion import follow
 from lsvib.errors import DivergenceError, EngineError, InputError, NoThreshold
-from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
 from lsvib.models.names import Event
 from lsvib.models.rigid import rigid_automaton

@@ -19,10 +19,10 @@ from references.sizes import sizes
 from references.threshold_digits import gap, jam, root
 
 import lsvib
+from lsvib import Drive
 from lsvib.basins.boundary import Boundary, basin
 from lsvib.dynamics.attractor import Attractor, orbit_extremes, steady_state
 from lsvib.models import chapter
-from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
 from lsvib.models.mechanism import seated_state
 from lsvib.models.model import automaton_of

@@ -15,10 +15,10 @@ from conftest import ROOT, TINY, Project
 from tools.rule_graph import rule_graph
 
 from benchmarks.rivals.method_list import METHODS
+from lsvib import Drive
 from lsvib.datasets.io import read_dataset
 from lsvib.figures.configuration import BENCHMARKS, FIGURES, given, load, settings_of
 from lsvib.models import chapter
-from lsvib.models.drive import Drive
 
 pytestmark = pytest.mark.workflow
 

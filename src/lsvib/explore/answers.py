@@ -180,7 +180,7 @@ def thresholds_over(view: View) -> dict[str, float]:
     found = {}
     for name in known:
         with suppress(LsvibError):
-            found[name] = view.drive.threshold(name, view.over).value  # type: ignore[attr-defined]
+            found[name] = view.drive.threshold(name, view.over).value
     return found
 
 

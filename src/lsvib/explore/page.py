@@ -243,7 +243,7 @@ class Page:
                 f"{steady.period:.4g} s."
             )
         try:
-            stability = view.drive.stability()  # type: ignore[attr-defined]
+            stability = view.drive.stability()
             words.append(f"Steady sliding is {'stable' if stability.stable else 'unstable'} ({plain(stability.kind)}).")
         except InputError as error:
             words.append(str(error))

@@ -136,8 +136,6 @@ class Drive(BaseModel):
     'kinematic_constraint'
     """
 
-    __module__ = "lsvib.api"  # whose import gives the class its methods; whoever unpickles a drive imports it
-
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     pitch_radius: Value = quantity(5.18e-3, "r_m", "m", "pitch radius of the screw", ge=1e-6, le=1.0)
