@@ -20,6 +20,7 @@ from references.figure_checks import checks_of, dataset_of, scale, set_to
 from references.sizes import sizes
 from scipy.integrate import solve_ivp
 
+from lsvib import Drive
 from lsvib.datasets.attributes import ASSUMED, FIELDS, NO_EFFECT, VARIED, origin_of
 from lsvib.datasets.io import write_dataset
 from lsvib.datasets.newton import residual
