@@ -81,7 +81,10 @@ def draw(dataset: xr.Dataset) -> style.Figure:
 
 def _in_ratios(values: np.ndarray) -> bool:
     """Whether values, at least three, have equal ratios."""
-    return values.size > 2 and values[0] > 0 and bool(np.allclose(np.diff(np.log(values), 2), 0.0, atol=1e-9))
+    if values.size < 3 or values[0] <= 0:
+        return False
+    steps = np.diff(np.log(values))
+    return bool(np.allclose(steps, steps[0], rtol=1e-6, atol=0))
 
 
 def _edges(values: np.ndarray) -> np.ndarray:
