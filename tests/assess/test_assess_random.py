@@ -8,6 +8,7 @@ import time
 import pytest
 import yaml
 from references.random_sheets import random_sheet
+from references.sizes import sizes
 
 from lsvib.assess.output import assess_file
 from lsvib.errors import InputError
@@ -114,23 +115,17 @@ def test_random_sheets_are_answered(index, tmp_path):
     assert answered(written(tmp_path, 1, index), tmp_path / "report" if index == 3 else None) is not None
 
 
-@pytest.mark.slow
-def test_more_random_sheets_are_answered_in_time(tmp_path):
+OF_MANY = [(3, range(k, k + 50), MOST) for k in range(0, 1000, 50)]
+
+
+@pytest.mark.parametrize("sheets", sizes([], [(2, range(4), 3 * MOST)], OF_MANY))
+def test_more_random_sheets_are_answered_in_time(sheets, tmp_path):
     """Of a sheet that took too long the second answer is timed, with the kernels that it needs compiled; the limit is
     that of a quiet machine, of which a busy one takes up to three times as much.
     """
-    for index in range(4):
-        path = written(tmp_path, 2, index)
-        spent = answered(path)
-        if spent is not None and spent > 3 * MOST:
-            assert answered(path) <= 3 * MOST, index
-
-
-@pytest.mark.search
-@pytest.mark.parametrize("first", range(0, 1000, 50))
-def test_a_thousand_random_sheets_are_answered_in_time(first, tmp_path):
-    for index in range(first, first + 50):
-        path = written(tmp_path, 3, index)
+    seed, indices, most = sheets
+    for index in indices:
+        path = written(tmp_path, seed, index)
         spent = answered(path, tmp_path / "report" if index % 10 == 0 else None)
-        if spent is not None and spent > MOST:
-            assert answered(path) <= MOST, index
+        if spent is not None and spent > most:
+            assert answered(path) <= most, index

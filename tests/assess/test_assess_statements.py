@@ -106,13 +106,11 @@ def test_a_corner_that_no_sample_hits_is_not_passed_over():
 def test_a_fall_of_friction_that_upsets_a_supported_drive_is_called_by_its_name():
     """Stable with friction as at the running speed, unstable with its slope, though C_0 + S is positive."""
     given = {
-        "load": {"mass": "190 kg", "force": "200 N"},
-        "thread": {"lead_angle": "8.5 deg", "pitch_diameter": "10 mm"},
-        "screw": {"inertia": "1.9e-5 kg*m^2", "mass": "6 kg"},
-        "coupling": {"stiffness": "40 N*m/rad"},
+        "load": {"mass": "190 kg", "force": "200 N"}, "thread": {"lead_angle": "8.5 deg", "pitch_diameter": "10 mm"},
+        "screw": {"inertia": "1.9e-5 kg*m^2", "mass": "6 kg"}, "coupling": {"stiffness": "40 N*m/rad"},
         "damping": {"rotational": "3e-4 N*m*s/rad", "translational": "1500 N*s/m"},
         "support": {"stiffness": "1e7 N/m", "damping": "100 N*s/m"},
-    }
+    }  # fmt: skip
     level, falling = sheet(**given), sheet(**given, friction={"coefficient": 0.218, "slope": "-0.2 s/m"})
     assert all(Draw.of(level).worst[name].reserve[0] > 0 for name in applicable(level))
     found = Draw.of(falling).worst
@@ -194,26 +192,13 @@ def test_what_compliant_threads_tolerate_is_decided_by_their_own_motions(stiffne
 
 
 PUSHED = [
-    (
-        {
-            "load": {"mass": "9.9 kg", "force": "-10 N"},
-            "damping": {"rotational": "2e-4 N*m*s/rad", "translational": "1e3 N*s/m"},
-        },
-        23.65,
-    ),
-    (
-        {
-            "thread": {"lead_angle": "4.97611 deg", "pitch_diameter": "2.89556 mm"},
-            "screw": {"inertia": "1.36909e-5 kg*m^2"},
-            "coupling": {"stiffness": "34530.4 N*m/rad"},
-            "load": {"mass": "137.517 kg"},
-            "operation": {"speed": ["0.001 m/s", "3.80049 m/s"]},
-            "friction": {"coefficient": 0.5},
-            "damping": {"translational": "0.360939 N*s/m"},
-        },
-        None,
-    ),
-]
+    ({"load": {"mass": "9.9 kg", "force": "-10 N"},
+      "damping": {"rotational": "2e-4 N*m*s/rad", "translational": "1e3 N*s/m"}}, 23.65),
+    ({"thread": {"lead_angle": "4.97611 deg", "pitch_diameter": "2.89556 mm"},
+      "screw": {"inertia": "1.36909e-5 kg*m^2"}, "coupling": {"stiffness": "34530.4 N*m/rad"},
+      "load": {"mass": "137.517 kg"}, "operation": {"speed": ["0.001 m/s", "3.80049 m/s"]},
+      "friction": {"coefficient": 0.5}, "damping": {"translational": "0.360939 N*s/m"}}, None),
+]  # fmt: skip
 
 
 @pytest.mark.parametrize(("changes", "survived"), PUSHED)
@@ -334,15 +319,15 @@ def test_windows_are_seen_as_a_dense_look_sees_them(sheets):
     assert windows(*sheets) > (20 if len(sheets[1]) == 40 else 1000)
 
 
+SPRING = {"stiffness": "1e7 N/m"}
+
+
 @pytest.mark.parametrize("direction", ["out", "back", "both"])
 @pytest.mark.parametrize(
     "parts",
-    [
-        {"support": {"stiffness": "1e7 N/m"}},
-        {"contact": {"stiffness": "1e7 N/m", "damping": "0 N*s/m"}},
-        {"support": {"stiffness": "1e7 N/m"}, "contact": {"stiffness": "1e7 N/m", "damping": "0 N*s/m"}},
-    ],
-)
+    [{"support": SPRING}, {"contact": SPRING | {"damping": "0 N*s/m"}},
+     {"support": SPRING, "contact": SPRING | {"damping": "0 N*s/m"}}],
+)  # fmt: skip
 def test_a_drive_that_nothing_damps_has_no_reserve(parts, direction):
     """Reserves of two undamped bodies say that no motion grows, not that one decays."""
     found = assess(sheet_of(UNDAMPED, operation={"speed": "10 mm/s", "direction": direction}, **parts), samples=64)

@@ -44,13 +44,10 @@ def test_the_worst_case_is_at_least_as_bad_as_every_sample():
 
 
 HEAVY = {
-    "thread": {"lead": "4 mm", "pitch_diameter": "18 mm"},
-    "screw": {"length": "500 mm", "material": "steel"},
-    "load": {"mass": "1300 kg", "orientation": "-90 deg"},
-    "operation": {"speed": "10 mm/s", "direction": "back"},
-    "friction": {"coefficient": 0.12},
-    "damping": {"rotational": "1e-3 N*m*s/rad", "translational": "100 N*s/m"},
-}
+    "thread": {"lead": "4 mm", "pitch_diameter": "18 mm"}, "screw": {"length": "500 mm", "material": "steel"},
+    "load": {"mass": "1300 kg", "orientation": "-90 deg"}, "operation": {"speed": "10 mm/s", "direction": "back"},
+    "friction": {"coefficient": 0.12}, "damping": {"rotational": "1e-3 N*m*s/rad", "translational": "100 N*s/m"},
+}  # fmt: skip
 
 
 @pytest.mark.slow
@@ -103,15 +100,12 @@ def test_what_the_basin_does_not_cover_is_not_known():
 
 # T-RO 2021, drive 1 (docs/friction.md), with the stiffness that its own record shows: it jerks at 2 rpm, not at 10.
 JERKING = {
-    "name": "drive 1",
-    "thread": {"lead": "2 mm", "pitch_diameter": "11 mm", "half_angle": "15 deg"},
-    "screw": {"inertia": "2.186e-6 kg*m^2"},
-    "coupling": {"stiffness": "0.0224 N*m/rad"},
+    "name": "drive 1", "thread": {"lead": "2 mm", "pitch_diameter": "11 mm", "half_angle": "15 deg"},
+    "screw": {"inertia": "2.186e-6 kg*m^2"}, "coupling": {"stiffness": "0.0224 N*m/rad"},
     "load": {"mass": "0.276 kg", "force": "0.9414 N", "orientation": "horizontal"},
-    "operation": {"speed": ["2 rpm", "20 rpm"], "direction": "both"},
-    "friction": {"coefficient": 0.58, "static": 0.88},
+    "operation": {"speed": ["2 rpm", "20 rpm"], "direction": "both"}, "friction": {"coefficient": 0.58, "static": 0.88},
     "damping": {"rotational": "2e-4 N*m*s/rad"},
-}
+}  # fmt: skip
 
 
 def test_the_first_line_says_that_it_jerks_up_to_which_speed_and_how_often():

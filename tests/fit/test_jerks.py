@@ -21,19 +21,15 @@ KNOWN = lsvib.Drive(
 )  # fmt: skip
 SPEEDS = (2.0, 10.0, 20.0, 40.0, 80.0)  # rpm; below 7 rpm it jerks
 SHEET = {
-    "thread": {"lead": "2 mm", "pitch_diameter": "11 mm"},
-    "screw": {"inertia": "2.2e-6 kg*m^2"},
+    "thread": {"lead": "2 mm", "pitch_diameter": "11 mm"}, "screw": {"inertia": "2.2e-6 kg*m^2"},
     "load": {"force": "2 N", "mass": "0.3 kg", "orientation": "horizontal"},
     "friction": {"stribeck_rise": 0, "slope": "0 s/m"},
     "bearing": {"coulomb": "0 mN*m", "viscous": "0 mN*m*s/rad"},
     "measurements": {
-        "files": "*.csv",
-        "time": {"column": 1, "unit": "s"},
-        "speed": {"column": 2, "unit": "rad/s"},
-        "torque": {"column": 3, "unit": "N*m"},
-        "averaging": "10 ms",
+        "files": "*.csv", "averaging": "10 ms", "time": {"column": 1, "unit": "s"},
+        "speed": {"column": 2, "unit": "rad/s"}, "torque": {"column": 3, "unit": "N*m"},
     },
-}
+}  # fmt: skip
 
 
 def record(folder, drive, rpm, interval=0.03, averaging=0.01, count=700):
