@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
 from functools import cache
-from types import SimpleNamespace
+from itertools import pairwise
 from typing import Annotated, Any
 
 import numpy as np
@@ -20,8 +20,6 @@ from numpy.typing import ArrayLike, NDArray
 from pydantic import BeforeValidator
 from scipy.special import ndtr, ndtri  # type: ignore[import-untyped]
 
-from lsvib.fit.law import OF_LAW, Array, law_of_curve
-from lsvib.models import friction
 from lsvib.models.complaints import bounds_of
 from lsvib.models.drive import Drive
 from lsvib.numbers import shown
@@ -320,37 +318,16 @@ def _tilt(value: Any) -> Spread:
 Tilt = Annotated[Spread, BeforeValidator(_tilt)]  # of the axis above the horizontal; outward is upward
 
 
-@dataclass(frozen=True)
-class FrictionCurve:
-    """Friction coefficients [1] over sliding speeds [m/s] (k), ascending, and the ``law`` that was fitted to them.
-
-    It has the parameters of :mod:`lsvib.models.friction` by their names.
-    """
-
-    speeds: Array
-    coefficients: Array
-    law: dict[str, float]
-
-    @property
-    def worst(self) -> tuple[float, float]:
-        """How far the law is off at most, relative to the curve, and at which sliding speed [m/s]."""
-        own = friction.unbounded_coefficient(SimpleNamespace(**self.law), self.speeds)
-        share = np.abs(own / self.coefficients - 1)
-        return float(share.max()), float(self.speeds[share.argmax()])
-
-
-def friction_curve(value: Any) -> FrictionCurve:
-    """Return a curve of pairs [sliding speed, coefficient], with its law; raises ``NotQuantity``."""
-    paired = isinstance(value, list) and all(isinstance(row, list) and len(row) == 2 for row in value)
-    if not paired or not value:
+def friction_curve(value: Any) -> tuple[tuple[float, float], ...]:
+    """Return pairs of sliding speed [m/s], ascending, and friction coefficient [1]; raises ``NotQuantity``."""
+    if not (isinstance(value, list) and value and all(isinstance(row, list) and len(row) == 2 for row in value)):
         raise NotQuantity("is not a list of pairs [sliding speed, coefficient]")
-    speeds, coefficients = np.array([(quantity(v, "m/s")[0], quantity(mu, "")[0]) for v, mu in value]).T
-    if not (speeds[0] >= 1e-6 and speeds[-1] <= 1e4 and (np.diff(speeds) > 0).all()):
+    pairs = tuple((quantity(speed, "m/s")[0], quantity(coefficient, "")[0]) for speed, coefficient in value)
+    speeds, coefficients = zip(*pairs, strict=True)
+    if not 1e-6 <= speeds[0] <= speeds[-1] <= 1e4 or any(after <= before for before, after in pairwise(speeds)):
         raise NotQuantity(
             "has sliding speeds that do not ascend between 1e-6 m/s and 1e4 m/s; friction at rest is static"
         )
-    if not (coefficients.min() >= 1e-4 and coefficients.max() <= 3):
+    if not 1e-4 <= min(coefficients) <= max(coefficients) <= 3:
         raise NotQuantity("has a coefficient outside the allowed range 1e-4 <= value <= 3")
-    found = law_of_curve(speeds, coefficients).values
-    law = {key: float(f"{round(found[key], 9):.6g}") for key in OF_LAW}
-    return FrictionCurve(speeds, coefficients, law | {"stribeck_exponent": int(found["stribeck_exponent"])})
+    return pairs

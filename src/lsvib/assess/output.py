@@ -127,15 +127,10 @@ def as_json(assessment: Assessment) -> dict[str, Any]:
 
 
 def _statics_json(found: Statics) -> dict[str, Any]:
-    rows: dict[str, Any] = {}
-    for key, row in found.rows.items():
-        rows[key] = {
-            "middle": row.middle,
-            "worst": row.worst if np.isfinite(row.worst) else None,  # a torque, where the threads jam
-            "limit": row.limit,
-            "exceeded": row.exceeded,
-            "unit": ABOUT[key]["unit"],
-        }
+    rows = {key: {**vars(row), "unit": ABOUT[key]["unit"]} for key, row in found.rows.items()}
+    for row in rows.values():
+        del row["key"]
+        row["worst"] = row["worst"] if np.isfinite(row["worst"]) else None  # a torque, where the threads jam
     return {"back_drives": found.back_drives, **rows}
 
 

@@ -12,7 +12,7 @@ from typing import Any
 from lsvib.assess import pictures
 from lsvib.assess.assessment import Assessment
 from lsvib.assess.chart import Chart
-from lsvib.assess.fields import FrictionCurve, Spread
+from lsvib.assess.fields import Spread
 from lsvib.assess.materials import NUT_MATERIALS
 from lsvib.assess.summary import of_curve, said, templates
 from lsvib.assess.threads import ThreadSize
@@ -79,9 +79,8 @@ def _entry(entry: object) -> str:
     if isinstance(entry, Spread):
         kind = "anywhere in the range" if entry.kind == "uniform" else entry.kind
         return entry.text if kind == "value" else f"{entry.text} ({kind})"
-    if isinstance(entry, FrictionCurve):
-        points = zip(entry.speeds, entry.coefficients, strict=True)
-        return "; ".join(f"{coefficient:g} at {shown(speed, 'm/s')}" for speed, coefficient in points)
+    if isinstance(entry, tuple):
+        return "; ".join(f"{coefficient:g} at {shown(speed, 'm/s')}" for speed, coefficient in entry)
     if isinstance(entry, ThreadSize):
         return f"lead {shown(entry.lead, 'm')}, pitch diameter {shown(entry.pitch_diameter, 'm')}"
     return str(entry)

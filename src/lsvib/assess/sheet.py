@@ -6,6 +6,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, Self
 
+import numpy as np
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
 
 from lsvib.assess import fields
@@ -13,6 +14,7 @@ from lsvib.assess.fields import NotQuantity, Spread
 from lsvib.assess.materials import NUT_MATERIALS, SCREW_MATERIALS
 from lsvib.assess.threads import Size
 from lsvib.errors import InputError
+from lsvib.fit.law import law_of_curve
 from lsvib.models.complaints import sentence_about
 from lsvib.models.drive import names_and_values
 from lsvib.models.pairings import PAIRINGS, stated
@@ -210,7 +212,7 @@ class Friction(Part):
     pairing: str | None = None
     coefficient: fields.Coefficient | None = None
     efficiency: fields.Efficiency | None = None
-    curve: fields.FrictionCurve | None = None
+    curve: tuple[tuple[float, float], ...] | None = None
     slope: fields.Slope | None = None
     stribeck_rise: fields.Coefficient | None = None
     stribeck_speed: fields.SlidingSpeed | None = None
@@ -229,10 +231,10 @@ class Friction(Part):
         values, source, name = dict(values), sources[0], values[sources[0]]
         if source == "curve":
             try:
-                values[source] = curve = fields.friction_curve(name)
+                values[source] = fields.friction_curve(name)
             except NotQuantity as error:
                 raise InputError(f"friction.curve {error}.") from None
-            law: dict[str, Any] = dict(curve.law)
+            law: dict[str, Any] = law_of_curve(*map(np.array, zip(*values[source], strict=True)))
         elif isinstance(name, str) and name in PAIRINGS:
             low, high = PAIRINGS[name].low, PAIRINGS[name].high
             law = {**stated(name), "friction_coefficient": [low, high] if low < high else low}

@@ -140,7 +140,7 @@ def statics(sheet: Sheet) -> Statics:
     draw = Draw.of(sheet, ends(sheet))
     if sheet.friction.curve and not np.all(draw.at(1, draw.values["speed_high"], 0.0).friction[0]):
         raise InputError(
-            f"friction.curve ends at {sheet.friction.curve.speeds[-1]:g} m/s, and the law that fits it falls to zero "
+            f"friction.curve ends at {sheet.friction.curve[-1][0]:g} m/s, and the law that fits it falls to zero "
             "before the fastest sliding of the threads; give points up to there."
         )
     worst = _judged(draw, *_points(draw))

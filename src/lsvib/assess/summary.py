@@ -3,8 +3,10 @@
 import math
 from functools import cache
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 from jinja2 import Environment
 
 from lsvib.assess import words
@@ -14,6 +16,7 @@ from lsvib.assess.operation import Draw
 from lsvib.assess.quantities import sliding_speed
 from lsvib.assess.starting import BEYOND
 from lsvib.assess.statics import Statics, lets_go
+from lsvib.models import friction
 
 EFFORTS = {"lifting": "against the load", "lowering": "with the load", "braking": "to brake, where the load turns it"}
 """What torques are for, the most demanding first."""
@@ -53,9 +56,14 @@ def of_statics(found: Statics) -> list[str]:
 
 def of_curve(draw: Draw) -> list[str]:
     """Return which law stands for a curve of friction and how well, if the sheet has one."""
-    curve = draw.sheet.friction.curve
-    ends = (sliding_speed(draw.values[f"speed_{end}"], draw.pitch_radius, draw.lead_angle) for end in ("low", "high"))
-    return [said("curve", curve, *ends)] if curve else []
+    given = draw.sheet.friction
+    if not given.curve:
+        return []
+    speeds, coefficients = np.array(given.curve).T
+    law = SimpleNamespace(**draw.values, stribeck_exponent=given.stribeck_exponent)
+    off = np.abs(friction.unbounded_coefficient(law, speeds) / coefficients - 1)
+    used = [sliding_speed(draw.values[f"speed_{end}"], draw.pitch_radius, draw.lead_angle) for end in ("low", "high")]
+    return [said("curve", law, off.max(), speeds[off.argmax()], speeds[[0, -1]], used)]
 
 
 def drops(assessment: Assessment, row: Margin) -> bool:

@@ -45,7 +45,6 @@ PARAMETERS = {  # unit and words, those of the law as parameters of a drive have
     "offset": ("N m", "zero error of the torque"),
 }
 OF_RISE = ("stribeck_rise", "stribeck_speed")
-OF_LAW = ("friction_coefficient", *OF_RISE, "friction_slope")
 PAIRS = (("friction_coefficient", "coulomb"), ("friction_slope", "viscous"))  # of the threads, and of the bearing
 STATIC = ("static_friction_coefficient", "bearing_static_friction")  # likewise
 DETERMINED = 0.1  # of the typical torque: largest standard error of what counts as determined
@@ -257,8 +256,8 @@ def fitted(measured: Measured, given: Mapping[str, float] | None = None) -> Fit:
     return Fit(measured, found, lost, unknown, singular, bool(fixed.get("stribeck_rise", 1.0)), next(iter(near), None))
 
 
-def law_of_curve(speeds: Array, coefficients: Array) -> Solution:
-    """Fit the friction law to a table of coefficients over sliding speeds [m/s], ascending, both above zero.
+def law_of_curve(speeds: Array, coefficients: Array) -> dict[str, float]:
+    """Fit the friction law to coefficients over sliding speeds [m/s], above zero; its parameters in six digits.
 
     Of four speeds the law has a rise or a slope, of three a slope. Raises ``InputError`` for fewer.
     """
@@ -271,7 +270,9 @@ def law_of_curve(speeds: Array, coefficients: Array) -> Solution:
             "friction.coefficient and friction.slope."
         )
     without = ("stribeck_rise", "friction_slope")[: count - 2] if count < 5 else ("offset",)
-    return min((fitted(measured, {**drag, name: 0.0}).main for name in without), key=lambda found: found.rms)
+    found = min((fitted(measured, {**drag, name: 0.0}).main for name in without), key=lambda found: found.rms).values
+    law = {name: float(f"{round(found[name], 9):.6g}") for name in ("friction_coefficient", *OF_RISE, "friction_slope")}
+    return law | {"stribeck_exponent": int(found["stribeck_exponent"])}
 
 
 def _enough(measured: Measured, known: Mapping[str, float]) -> None:

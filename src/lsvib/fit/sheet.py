@@ -62,19 +62,14 @@ def _separator(value: Any) -> str:
 _Unit = tuple[float, str]  # the size of a unit in one of the package, and that
 
 
-def _unit(*units: str) -> Callable[[Any], _Unit]:
-    """What reads the name of a unit that fits one of ``units``."""
-
-    def read(value: Any) -> _Unit:
-        """Raise ``NotQuantity`` for what is no such name."""
-        if not isinstance(value, str) or not value.strip():
-            raise NotQuantity(f"= {shown(value)} is not the name of a unit")
-        try:
-            return fields.quantity(f"1 {value}", *units)
-        except NotQuantity as error:
-            raise NotQuantity(str(error).replace("'1 ", "'", 1)) from None
-
-    return read
+def _unit(value: Any, *units: str) -> _Unit:
+    """Read the name of a unit that fits one of ``units``."""
+    if not isinstance(value, str) or not value.strip():
+        raise NotQuantity(f"= {shown(value)} is not the name of a unit")
+    try:
+        return fields.quantity(f"1 {value}", *units)
+    except NotQuantity as error:
+        raise NotQuantity(str(error).replace("'1 ", "'", 1)) from None
 
 
 class Column(Part):
@@ -87,19 +82,19 @@ class Column(Part):
 class SpeedColumn(Column):
     """Speed of the screw, or of the load."""
 
-    unit: Annotated[_Unit, BeforeValidator(_unit("rad/s", "m/s"))]
+    unit: Annotated[_Unit, BeforeValidator(lambda value: _unit(value, "rad/s", "m/s"))]
 
 
 class TorqueColumn(Column):
     """Torque of the motor."""
 
-    unit: Annotated[_Unit, BeforeValidator(_unit("N m"))]
+    unit: Annotated[_Unit, BeforeValidator(lambda value: _unit(value, "N m"))]
 
 
 class TimeColumn(Column):
     """Time of the samples."""
 
-    unit: Annotated[_Unit, BeforeValidator(_unit("s"))]
+    unit: Annotated[_Unit, BeforeValidator(lambda value: _unit(value, "s"))]
 
 
 class Load(data_sheet.Load):
