@@ -259,17 +259,17 @@ def fitted(measured: Measured, given: Mapping[str, float] | None = None) -> Fit:
 def law_of_curve(speeds: Array, coefficients: Array) -> dict[str, float]:
     """Fit the friction law to coefficients over sliding speeds [m/s], above zero; its parameters in six digits.
 
-    Of four speeds the law has a rise or a slope, of three a slope. Raises ``InputError`` for fewer.
+    Of four speeds the law has a rise or a slope, what fits better. Raises ``InputError`` for fewer.
     """
     # The torque of a screw of 1 m without lead under 1 N is the coefficient.
     measured = Measured(speeds, coefficients, np.ones(speeds.size), pitch_radius=1.0, lead_angle=1e-15)
     count, drag = measured.speeds.size, dict.fromkeys(("coulomb", "viscous", "offset"), 0.0)
-    if count < 3:
+    if count < 4:
         raise InputError(
-            "friction.curve needs points at three sliding speeds or more, each 5 % above the last; of fewer give "
+            "friction.curve needs points at four sliding speeds or more, each 5 % above the last; of fewer give "
             "friction.coefficient and friction.slope."
         )
-    without = ("stribeck_rise", "friction_slope")[: count - 2] if count < 5 else ("offset",)
+    without = ("stribeck_rise", "friction_slope") if count == 4 else ("offset",)
     found = min((fitted(measured, {**drag, name: 0.0}).main for name in without), key=lambda found: found.rms).values
     law = {name: float(f"{round(found[name], 9):.6g}") for name in ("friction_coefficient", *OF_RISE, "friction_slope")}
     return law | {"stribeck_exponent": int(found["stribeck_exponent"])}
