@@ -40,6 +40,8 @@ OF_SHOP = [
     damping: {rotational: 7.841e-05 N*m*s/rad, translational: {median: 547.5 N*s/m, factor: 1.57}}
     """,
 ]
+CURVE = "curve: [[1 mm/s, 0.2], [5 mm/s, 0.19], [20 mm/s, 0.16], [50 mm/s, 0.15], [90 mm/s, 0.145]]"
+OF_SHOP.append(OF_SHOP[1].replace("coefficient: [0.1, 0.2], static: 0.845", CURVE))
 
 
 def numbers_of(value):

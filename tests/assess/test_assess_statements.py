@@ -16,7 +16,7 @@ from lsvib.assess.output import as_json
 from lsvib.assess.quantities import lifting_efficiency, sliding_speed
 from lsvib.assess.report import report
 from lsvib.assess.sheet import Sheet
-from lsvib.assess.summary import brief, of_curve
+from lsvib.assess.summary import brief, of_curve, said
 from lsvib.assess.vibration import tolerated_by_trial
 from lsvib.assess.window import applicable
 from lsvib.assess.words import ATTRACTORS, percent
@@ -69,12 +69,13 @@ def test_how_far_a_law_is_off_its_curve_is_said(coefficients, poor):
     friction = {"curve": [[f"{v} mm/s", mu] for v, mu in pairs]}
     given = sheet(friction=friction, operation={"speed": "4 rad/s"})
     share, v = max((abs(rubs(given.friction, v) / mu - 1), v) for v, mu in pairs)
-    (text,) = of_curve(Draw.of(given))
+    text = said("curve", of_curve(Draw.of(given)))
     assert f"off by {percent(share)} at most, at {v:g} mm/s" in text
     assert ("may not be those of the curve" in text) == poor
     assert "The threads slide at" not in text
     given = sheet(friction=friction, operation={"speed": ["4 rad/s", "40 rad/s"]})
-    assert "slide at 20.8 mm/s to 208 mm/s, where the curve has only 5 mm/s to 200 mm/s" in of_curve(Draw.of(given))[0]
+    text = said("curve", of_curve(Draw.of(given)))
+    assert "slide at 20.8 mm/s to 208 mm/s, where the curve has only 5 mm/s to 200 mm/s" in text
 
 
 def test_the_share_of_self_locking_threads_is_that_of_friction_above_the_tangent():

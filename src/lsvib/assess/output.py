@@ -17,7 +17,7 @@ from lsvib.assess.report import report
 from lsvib.assess.sheet import Sheet
 from lsvib.assess.starting import Starting
 from lsvib.assess.statics import Statics, statics
-from lsvib.assess.summary import brief, of_curve, of_statics
+from lsvib.assess.summary import brief, of_curve, of_statics, said
 from lsvib.assess.uncertainty import BINS
 from lsvib.assess.words import ABOUT, QUANTITIES, VERDICTS
 from lsvib.datasets.attributes import flagged, named_index, variable
@@ -60,7 +60,7 @@ def assess_file(path: Path, out: Path | None, samples: Any = 4096, seed: Any = 1
 
 def _of_statics(sheet: Sheet) -> dict[str, Any]:
     """The answer for a sheet that gives no drive which could vibrate: verdict and all else but statics are None."""
-    found = statics(sheet)
+    found, curve = statics(sheet), of_curve(Draw.of(sheet))
     sentence = f"Whether it vibrates is not asked: {sheet.of_statics}."
     if sheet.load.mass is None:
         sentence += " No weight is counted."
@@ -68,8 +68,9 @@ def _of_statics(sheet: Sheet) -> dict[str, Any]:
         "name": sheet.name,
         "verdict": None,
         "sentence": sentence,
-        "brief": [sentence, *of_statics(found), *of_curve(Draw.of(sheet))],
+        "brief": [line for line in (sentence, *of_statics(found), said("curve", curve)) if line],
         "statics": _statics_json(found),
+        "friction_curve": curve,
         "assumptions": dict(sheet.assumptions),
         "sources": dict(sheet.sources),
     }
@@ -84,6 +85,7 @@ def as_json(assessment: Assessment) -> dict[str, Any]:
         "sentence": VERDICTS[assessment.verdict],
         "brief": brief(assessment),
         "statics": _statics_json(assessment.statics),
+        "friction_curve": of_curve(assessment.draw),
         "self_locking": assessment.self_locking,
         "self_locking_probability": assessment.uncertainty.holds.value,
         "efficiency": {**assessment.efficiency, "lifting_range": list(assessment.uncertainty.lifting)},

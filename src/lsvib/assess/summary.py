@@ -13,7 +13,7 @@ from lsvib.assess import words
 from lsvib.assess.assessment import Assessment
 from lsvib.assess.margins import Margin, applied
 from lsvib.assess.operation import Draw
-from lsvib.assess.quantities import sliding_speed
+from lsvib.assess.quantities import FRICTION, sliding_speed
 from lsvib.assess.starting import BEYOND
 from lsvib.assess.statics import Statics, lets_go
 from lsvib.models import friction
@@ -46,7 +46,8 @@ def brief(assessment: Assessment) -> list[str]:
     told = assessment.verdict not in ("vibrates", "steady without reserve") or known
     first = f"{words.VERDICTS[assessment.verdict]} {said('from_rest', assessment.starting) if told else ''}".strip()
     changes = [said("changes", assessment)] if assessment.verdict in ("vibrates", "jerks") else []
-    return [first, *of_statics(assessment.statics), *of_curve(assessment.draw), *changes]
+    curve = said("curve", of_curve(assessment.draw))
+    return [line for line in (first, *of_statics(assessment.statics), curve, *changes) if line]
 
 
 def of_statics(found: Statics) -> list[str]:
@@ -54,16 +55,20 @@ def of_statics(found: Statics) -> list[str]:
     return [line for name in ("holding", "effort", "limits") if (line := said(name, found))]
 
 
-def of_curve(draw: Draw) -> list[str]:
-    """Return which law stands for a curve of friction and how well, if the sheet has one."""
+def of_curve(draw: Draw) -> dict[str, Any] | None:
+    """Return the ``law`` of a curve of friction, how far it is ``off`` [1] ``at`` most, and the sliding speeds [m/s].
+
+    Those are the ends of the ``curve`` and of the operating ``window``.
+    """
     given = draw.sheet.friction
     if not given.curve:
-        return []
-    speeds, coefficients = np.array(given.curve).T
-    law = SimpleNamespace(**draw.values, stribeck_exponent=given.stribeck_exponent)
-    off = np.abs(friction.unbounded_coefficient(law, speeds) / coefficients - 1)
+        return None
+    law = {name: draw.values[name] for name in (*FRICTION, "stribeck_speed") if name in draw.values}
+    law["stribeck_exponent"], (speeds, coefficients) = given.stribeck_exponent, np.array(given.curve).T
+    off = np.abs(friction.unbounded_coefficient(SimpleNamespace(**law), speeds) / coefficients - 1)
     used = [sliding_speed(draw.values[f"speed_{end}"], draw.pitch_radius, draw.lead_angle) for end in ("low", "high")]
-    return [said("curve", law, off.max(), speeds[off.argmax()], speeds[[0, -1]], used)]
+    ends = {"curve": speeds[[0, -1]].tolist(), "window": [float(speed) for speed in used]}
+    return {"law": law, "off": float(off.max()), "at": float(speeds[off.argmax()]), **ends}
 
 
 def drops(assessment: Assessment, row: Margin) -> bool:
