@@ -192,17 +192,15 @@ def test_what_compliant_threads_tolerate_is_decided_by_their_own_motions(stiffne
     assert ends(1.02) != {Attractor.STEADY_SLIDING}
 
 
-PUSHED = [
-    ({"load": {"mass": "9.9 kg", "force": "-10 N"},
-      "damping": {"rotational": "2e-4 N*m*s/rad", "translational": "1e3 N*s/m"}}, 23.65),
-    ({"thread": {"lead_angle": "4.97611 deg", "pitch_diameter": "2.89556 mm"},
-      "screw": {"inertia": "1.36909e-5 kg*m^2"}, "coupling": {"stiffness": "34530.4 N*m/rad"},
-      "load": {"mass": "137.517 kg"}, "operation": {"speed": ["0.001 m/s", "3.80049 m/s"]},
-      "friction": {"coefficient": 0.5}, "damping": {"translational": "0.360939 N*s/m"}}, None),
-]  # fmt: skip
-
-
-@pytest.mark.parametrize(("changes", "survived"), PUSHED)
+@pytest.mark.parametrize(
+    ("changes", "survived"),
+    [({"load": {"mass": "9.9 kg", "force": "-10 N"},
+       "damping": {"rotational": "2e-4 N*m*s/rad", "translational": "1e3 N*s/m"}}, 23.65),
+     ({"thread": {"lead_angle": "4.97611 deg", "pitch_diameter": "2.89556 mm"},
+       "screw": {"inertia": "1.36909e-5 kg*m^2"}, "coupling": {"stiffness": "34530.4 N*m/rad"},
+       "load": {"mass": "137.517 kg"}, "operation": {"speed": ["0.001 m/s", "3.80049 m/s"]},
+       "friction": {"coefficient": 0.5}, "damping": {"translational": "0.360939 N*s/m"}}, None)],
+)  # fmt: skip
 def test_a_load_that_resists_by_its_drag_alone_does_not_hide_a_vibration(changes, survived):
     """C₊ < 0 < Γ₊ and R̃ Ω < 0: the basin ends at a cycle, so that a perturbation starts vibration."""
     found = assess(sheet(**changes), samples=64)

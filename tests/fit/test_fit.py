@@ -78,13 +78,11 @@ def test_the_jerks_of_the_measured_screw(screw, tmp_path):
     assert any("would jerk up to 30.6 rpm" in text for text in sentences(screw))
     parts = yaml.safe_load(blocks(result))
     data = {
-        "name": "as measured",
-        "thread": {"lead": "2 mm", "pitch_diameter": "11 mm", "half_angle": "15 deg"},
-        "screw": {"inertia": "2.186e-6 kg*m^2"},
+        "name": "as measured", "thread": {"lead": "2 mm", "pitch_diameter": "11 mm", "half_angle": "15 deg"},
+        "screw": {"inertia": "2.186e-6 kg*m^2"}, "operation": {"speed": ["2 rpm", "20 rpm"]},
         "load": {"mass": "0.276 kg", "force": "-0.9414 N", "orientation": "horizontal"},
-        "operation": {"speed": ["2 rpm", "20 rpm"]},
         **{key: parts[key] for key in ("friction", "coupling", "damping")},
-    }
+    }  # fmt: skip
     assert [float(end.split()[0]) for end in data["damping"]["rotational"]] == pytest.approx(told["bounds"], rel=1e-5)
     assert all(set(entry) == {"mean", "std"} for entry in [data["coupling"]["stiffness"], data["friction"]["static"]])
     (tmp_path / "sheet.yaml").write_text(yaml.safe_dump(data))

@@ -47,11 +47,16 @@ def quantities(sheet: Sheet, entries: Values) -> dict[str, Any]:
     lead, diameter, half_angle = thread_geometry(sheet, entries)
     inertia, screw_mass = _screw(sheet, entries, diameter)
     gear = entries.get("coupling.gear_ratio", 1.0) ** 2
+    coefficient = entries.get("friction.coefficient")
+    if coefficient is None:
+        angle = np.arctan(lead / (math.pi * diameter))
+        square = coefficient_from_efficiency(entries["friction.efficiency"], angle)
+        coefficient = flank_coefficient(square, angle, half_angle)
     found = {
         "lead": lead,
         "pitch_diameter": diameter,
         "half_angle": half_angle,
-        "friction_coefficient": _coefficient(sheet, entries, np.arctan(lead / (math.pi * diameter)), half_angle),
+        "friction_coefficient": coefficient,
         "friction_slope": entries.get("friction.slope", 0.0),
         "screw_inertia": inertia + entries.get("coupling.inertia", 0.0),
         "coupling_stiffness": entries.get("coupling.stiffness", 0.0) * gear,
@@ -112,14 +117,6 @@ def _motor(motor: Motor, entries: Values, inertia: Any, gear: Any) -> dict[str, 
         stiffness = entries["motor.holding_torque"] * motor.steps_per_turn / 4 * gear
     found = {"motor_inertia": own, "integral_gain": stiffness, "speed_gain": damping}
     return found | {"coupling_damping": entries.get("coupling.damping", 0.0) * gear}
-
-
-def _coefficient(sheet: Sheet, entries: Values, angle: Any, half_angle: Any) -> Any:
-    """Friction coefficient of the flanks."""
-    if sheet.friction.efficiency is not None:
-        square = coefficient_from_efficiency(entries["friction.efficiency"], angle)
-        return flank_coefficient(square, angle, half_angle)
-    return entries["friction.coefficient"]
 
 
 def square_coefficient(coefficient: Any, lead_angle: Any, half_angle: Any) -> Any:

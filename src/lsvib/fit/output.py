@@ -119,21 +119,18 @@ def _record(record: Record) -> dict[str, Any]:
 
 def _end(found: FittedSheet, end: Solution) -> dict[str, Any]:
     static = {_IN_BEARING[k]: value for k, value in end.bearing().items() if k in _IN_BEARING}
+    of_static = {_IN_BEARING.get(k, k): error if error == error else None for k, (_, error) in end.static.items()}
     return {
         "friction": end.drive(),
         "bearing": {name: end.values[name] for name in ("coulomb", "viscous")} | static,
         "offset": end.values["offset"],
         "sheet": found.flank_law(end),
-        "standard_errors": end.errors | {_IN_BEARING.get(k, k): _finite(error) for k, (_, error) in end.static.items()},
+        "standard_errors": end.errors | of_static,
         "correlation": {"of": list(end.free), "matrix": end.correlation.tolist()},
         "rms": end.rms,
         "largest_residual": float(np.abs(end.residual).max()),
         "loads_of_directions": _loads(found, end),
     }
-
-
-def _finite(value: float) -> float | None:
-    return value if np.isfinite(value) else None
 
 
 def _loads(found: FittedSheet, end: Solution) -> list[float] | None:
