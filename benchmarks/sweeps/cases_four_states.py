@@ -3,10 +3,9 @@
 import math
 
 import numpy as np
-from mpmath import mp
 from references import drives
+from references.bodies import Bodies
 from references.drives import decades, drawn, heaviest, one_of, power, sign, signed, times, uniform
-from references.four_states_digits import FourStatesDrive
 
 from benchmarks.sweeps.families import Case, CaseFamily
 from lsvib.models.drive import DRY, Drive
@@ -100,10 +99,9 @@ def _on_a_guard(where: str, model: str, drive, physics: tuple[str, ...], state: 
         reach = drive.pitch_radius * math.tan(drive.lead_angle)
         return [u, w, place, -reach * (drive.input_speed + w)] if model == "support" else [u, rest, place, rate]
     if where == "contact":
-        with mp.workdps(40):
-            reference = FourStatesDrive(model, dict(drive), physics)
-            second = side if reference.second else None
-            row = [float(x) for x in reference.row(lambda x: reference.forces((side, -side, second), x)[2])]
-        u = -(row[1] * w + row[2] * place + row[3] * rate + row[4]) / row[0]
+        laws, moves = Bodies(drive), dict.fromkeys(("slip", "bearing", "slide"), side)
+        row = laws.forces(moves | {"contact": -side}, laws.p["friction_coefficient"])["N"]
+        own = np.array([0.0, w, place, rate]) + laws.steady
+        u = -float(laws.values([row], own)[0] / row[0])
         return [u, w, place, rate] if abs(u) < 1e3 else state
     return state

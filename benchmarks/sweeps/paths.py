@@ -6,7 +6,7 @@ from contextlib import suppress
 from functools import lru_cache
 
 import numpy as np
-from references.four_states_digits import FourStatesDrive
+from references.bodies import Bodies
 
 from benchmarks.judge import Record
 from benchmarks.sweeps.families import Case
@@ -65,12 +65,12 @@ def exact_path(case: Case, drive: Drive, start: tuple[float, ...]) -> Record | N
 
 
 @lru_cache(maxsize=2)  # one drive is asked after the other
-def _least(drive: Drive, physics: tuple[str, ...]) -> np.ndarray:
+def _least(drive: Drive) -> np.ndarray:
     """Smallest size by which each coordinate of a drive with a second body is measured."""
-    steady = FourStatesDrive(drive.parts[0], dict(drive), physics)
+    steady = Bodies(drive).steady
     speed = abs(drive.input_speed)
     rate = speed * math.tan(drive.lead_angle) * drive.pitch_radius if drive.parts == ("support",) else speed
-    return _LEAST * np.array([abs(float(steady.z0)), speed, abs(float(steady.q0)), rate])
+    return _LEAST * np.array([abs(float(steady[0])), speed, abs(float(steady[2])), rate])
 
 
 def _shortened(case: Case, kinds: Sequence[str], times: np.ndarray, end, size, complete: bool) -> Record:
@@ -79,7 +79,7 @@ def _shortened(case: Case, kinds: Sequence[str], times: np.ndarray, end, size, c
     A motion with a second body that is small counts as large as a part of steady sliding.
     """
     if case.drive.parts in (("support",), ("nut",)):
-        size = np.maximum(size, _least(case.drive, case.physics))
+        size = np.maximum(size, _least(case.drive))
     kept: list[int] = []
     instant = INSTANT * case.duration
     for k, kind in enumerate(kinds):

@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 import pytest
+from references.drives import drive_with_law
 from references.random_sheets import LAW, sheet
-from stability.test_friction_law import random_drive
 
 from lsvib import Drive
 from lsvib.assess.assessment import assess
@@ -221,7 +221,7 @@ def test_derivatives_are_those_of_the_closed_forms():
 def test_slope_damping_is_that_of_newtons_laws():
     """Γ_0 s² + (C_0 + S) s + k is the polynomial of the report, which they hold in test_friction_law.py."""
     rng = np.random.default_rng(5)
-    for drive in (random_drive("rigid", rng) for _ in range(25)):
+    for drive in (drive_with_law("rigid", rng) for _ in range(25)):
         c, (first, second, _) = coefficients(drive), stability(drive).characteristic_polynomial
         lead, size = (math.cos(drive.lead_angle), math.tan(drive.lead_angle)), abs(float(c.net_force))
         mu, slope = friction.unbounded(drive, drive.pitch_radius * abs(drive.input_speed) / lead[0])

@@ -17,6 +17,7 @@ import math
 
 import numpy as np
 import pytest
+from references.comparisons import liouville
 from references.drives import DRIVES, OFFERED, catalogue_drive
 from references.known import NEGATIVE_DAMPING, PARADOX
 
@@ -35,11 +36,6 @@ from lsvib.stability.force_thresholds import threshold_force
 
 def attractor(drive, start=(0.05, 5.0), **options):
     return steady_state(rigid_automaton(drive, **options), start)
-
-
-def liouville(cycle) -> float:
-    modes, _, _, durations = cycle.orbit.arcs()
-    return math.exp(-float(np.sum(cycle.orbit.automaton.tables.flow[modes, layout.A1] * durations)))
 
 
 @pytest.mark.parametrize("force", [20.3, 22.0, 25.0, 30.0, 34.0, 35.0])

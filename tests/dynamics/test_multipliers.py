@@ -17,12 +17,10 @@ from itertools import permutations
 
 import numpy as np
 import pytest
-from engine.test_friction_law_digits import random_starts
 from flint import arb, ctx
 from mpmath import mp, mpf
-from references import four_states_digits, rigid_digits
-from references.drives import DRIVES, drawn, one_of, power, threads_drive, uniform
-from references.friction_law_digits import PRECISION, LawDrive, simulate
+from references.drives import DRIVES, drawn, law_starts, one_of, power, threads_drive, uniform
+from references.series import Series
 from references.sizes import sizes
 
 import lsvib
@@ -37,7 +35,7 @@ from lsvib.models.model import automaton_of
 from lsvib.models.names import Event
 from lsvib.models.rigid import rigid_automaton
 
-STEP = mpf(10) ** -10
+STEP = arb(10) ** -10
 EVENTS = 7
 RIGID = {
     "mass": uniform(2, 16), "support_damping": power(-4, -2.5), "translation_damping": one_of(0.0, 10.0, 1000.0),
@@ -51,37 +49,36 @@ def random_rigid(seed):
 
 
 def differences(end, place, size, step):
-    """How far a state is from where it began, and its derivative by that; rows, in sizes of the motion.
+    """The derivative of a later state by one at a place; rows, in sizes of the motion; None if that is not determined.
 
-    ``end``: the later state, None where nothing determines that; ``place``, ``step``: numbers with many digits.
+    ``end``: the later state, None where nothing determines that.
     """
-    back, columns = end(place), []
-    for k in range(len(size)):
-        beside = [[x + way * step * unit * (j == k) for j, (x, unit) in enumerate(zip(place, size, strict=True))]
-                  for way in (1, -1)]  # fmt: skip
+    columns = []
+    for k, unit in enumerate(size):
+        beside = [[arb(x) + way * step * arb(unit) * (j == k) for j, x in enumerate(place)] for way in (1, -1)]
         ends = [end(x) for x in beside]
-        if back is None or None in ends:
+        if any(one is None for one in ends):
             return None
-        columns.append([(a - b) / (2 * step) / unit for a, b, unit in zip(*ends, size, strict=True)])
-    return [(a - b) / unit for a, b, unit in zip(back, place, size, strict=True)], [*zip(*columns, strict=True)]
+        columns.append((ends[0] - ends[1]) / (2 * step) / size)
+    return np.array(columns).T
 
 
-def held_by_differences(motion, start, simulate):
+def held_by_differences(motion, start, drive):
     """Hold the derivative of a motion against differences with 40 digits.
 
     To the tolerance and four times the library's own bound of its rounding; returns that bound.
     """
-    size, seen = np.abs(np.vstack([motion.after, [start]])).max(axis=0), []
+    size, seen, laws = np.abs(np.vstack([motion.after, [start]])).max(axis=0), [], Series(drive)
+    count, duration = motion.time.size, float(motion.time[-1]) * 1.01 + 1e-4
 
     def end(x):
-        events = simulate(x)[: motion.time.size]
-        seen.append([(event.kind, event.mode_after) for event in events])
-        return events[-1].state if seen[-1] == seen[0] and len(events) == motion.time.size else None
+        *events, _ = laws.follow(x, duration, count)[1]
+        seen.append([(event.kind, event.mode) for event in events])
+        return events[-1].state if seen[-1] == seen[0] and len(events) == count else None
 
-    with mp.workdps(40):
-        found = differences(end, [mpf(float(x)) for x in start], [mpf(float(x)) for x in size], STEP)
-    assert found is not None
-    reference, exact = np.array(found[1], dtype=float), derivative(motion)
+    with ctx.workdps(60):
+        reference = differences(end, start, size, STEP).astype(float)
+    exact = derivative(motion)
     matrix, rounding = (part * size / size[:, None] for part in (exact.matrix, exact.rounding))
     away, largest = np.abs(matrix - reference), np.abs(reference).max()
     rows = np.abs(reference).max(axis=1, keepdims=True)
@@ -108,8 +105,7 @@ def rigid_motion(seed):
 @pytest.mark.parametrize("seed", range(6))
 def test_rigid_drives(seed):
     drive, start, motion = rigid_motion(seed)
-    end = float(motion.time[-1]) * 1.01 + 1e-4
-    rounding = held_by_differences(motion, start, lambda x: rigid_digits.simulate(dict(drive), *x, end).events)
+    rounding = held_by_differences(motion, start, drive)
     assert (rounding <= 1e-10).all()  # so that its share of what is allowed is small
 
 
@@ -126,8 +122,7 @@ def test_compliant_threads():
         if qualified(motion):
             break
     assert qualified(motion)
-    end = float(motion.time[-1]) * 1.01 + 1e-6
-    held_by_differences(motion, start, lambda x: four_states_digits.simulate(dict(drive), "threads", (), x, end).events)
+    held_by_differences(motion, start, drive)
 
 
 def test_a_section_with_a_coordinate_that_is_zero_throughout():
@@ -176,14 +171,16 @@ def place_and_size(cycle):
 def assert_digits(cycle):
     """Hold a cycle of four states against the reference with 70 digits."""
     place, size = place_and_size(cycle)
-    drive, model = dict(cycle.drive), cycle.drive.parts[0]
-    with mp.workdps(70):
+    laws = Series(cycle.drive, digits=70)
 
-        def end(x):
-            return four_states_digits.simulate(drive, model, (), x, cycle.period, dps=70, max_events=1000).state
+    def end(x):
+        return laws.follow(x, cycle.period, 1000)[1][-1].state
 
-        gap, matrix = differences(end, [mpf(float(x)) for x in place], [mpf(float(x)) for x in size], mpf(10) ** -30)
-        found = [complex(z) for z in mp.eig(mp.matrix(matrix), left=False, right=False)]
+    with ctx.workdps(100), mp.workdps(70):
+        gap = (end(place) - place) / size
+        matrix = differences(end, place, size, arb(10) ** -30)
+        rows = mp.matrix([[mpf(x.mid()) for x in row] for row in matrix])
+        found = [complex(z) for z in mp.eig(rows, left=False, right=False)]
     found.remove(min(found, key=lambda z: abs(z - 1)))  # along the motion
     scale = max(1.0, *map(abs, found))
     error = min(max(abs(a - b) for a, b in zip(cycle.multipliers, order, strict=True)) for order in permutations(found))
@@ -217,29 +214,24 @@ BESIDE = 1e-7  # of the differences, over the size of the motion
 
 def of_a_period(drive, cycle):
     """Return relative errors of the period and of closure, and the multiplier; None where nothing determines them."""
-    place, size = place_and_size(cycle)
-    precision, ctx.prec = ctx.prec, PRECISION
+    (place, size), laws = place_and_size(cycle), Series(drive)
 
     def end(state, duration=cycle.period):
-        truth = simulate(drive.model_dump(), *state, duration)
-        return truth.state if truth.end == "time" else None
+        last = laws.follow(state, duration, 1000)[1][-1]
+        return last.state if last.kind == "end" else None
 
-    try:
-        here = [arb(x) for x in place]
-        found = differences(end, here, [arb(x) for x in size], arb(BESIDE))
-        if found is None:
+    with ctx.workdps(60):
+        back, matrix = end(place), differences(end, place, size, arb(BESIDE))
+        if back is None or matrix is None:
             return None
-        gap, matrix = np.array([float(x) for x in found[0]]), found[1]
-        rate = np.array([float((a - b) / arb(1e-9)) for a, b in zip(end(here, 1e-9), here, strict=True)]) / size
-        return abs(gap @ rate) / (rate @ rate) / cycle.period, np.abs(gap).max(), float(matrix[0][0] + matrix[1][1] - 1)
-    finally:
-        ctx.prec = precision
+        gap = ((back - place) / size).astype(float)
+        rate = ((end(place, 1e-9) - place) / 1e-9 / size).astype(float)
+        return abs(gap @ rate) / (rate @ rate) / cycle.period, np.abs(gap).max(), float(matrix.trace() - 1)
 
 
 def jams(drive, orbit):
-    edges = [float(edge) for edge in LawDrive(drive.model_dump()).jams]
-    speeds = np.abs(orbit.before[orbit.kind == Event.SEIZURE, 1] + drive.input_speed)
-    return any(abs(speed - edge) <= 1e-7 * edge for speed in speeds for edge in edges)
+    speeds, laws = orbit.before[orbit.kind == Event.SEIZURE, 1] + drive.input_speed, Series(drive)
+    return any(abs(laws.inertia(arb(speed))) <= 1e-7 for speed in speeds)
 
 
 def agrees(drive, cycle):
@@ -275,7 +267,7 @@ def test_cycles_of_pure_slip(speed, slope, rise):
 def agreeing(seeds):
     """Return how many cycles of random drives agree, and how many of them have a multiplier that is not zero."""
     compared, moving = 0, 0
-    for drive, start in random_starts(seeds):
+    for drive, start in law_starts(seeds):
         cycle = steady_state(rigid_automaton(drive), start)
         if cycle.orbit is not None and agrees(drive, cycle):
             compared, moving = compared + 1, moving + (abs(cycle.multiplier) > 1e-6)

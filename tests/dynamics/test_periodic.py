@@ -7,10 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from dynamics.test_attractors import liouville
-from models.test_parts import MOTOR, OWN, POSSIBLE
 from mpmath import mp, mpf
-from references import rigid_digits
+from references import drives, rigid_digits
+from references.comparisons import liouville
 from references.drives import drawn, nut_drive, one_of, power, support_drive, threads_drive, times, uniform
 from references.known import NEAR_FOLD, NEGATIVE_DAMPING, PARADOX, REPELLING_SLIP
 from references.sizes import sizes
@@ -180,9 +179,9 @@ def rigid(rng):
 
 def behind_a_motor(rng):
     parts = [(), ("support",), ("nut",), ("support", "nut"), ("threads",)][rng.integers(5)]
-    own = {name: draw for part in parts for name, draw in OWN[part].items()}
+    own = {name: draw for part in parts for name, draw in drives.OWN[part].items()}
     low = {"screw_inertia": power(-6, -5), "support_damping": power(-5.5, -4), "static": uniform(1.1, 1.9)}
-    values = drawn(rng, POSSIBLE | MOTOR | own | low)
+    values = drawn(rng, drives.POSSIBLE | drives.MOTOR | own | low)
     values["static_friction_coefficient"] = values.pop("static") * values["friction_coefficient"]
     drive = lsvib.Drive(**values)
     size = np.abs(random_starts(drive)).mean(axis=0)

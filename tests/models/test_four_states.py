@@ -1,27 +1,19 @@
 """Compliant threads, axial support and nut: 40 digits, their rigid limits, and what follows a reverse slip.
 
-The reference of drives with four states (``references/four_states_digits.py``) takes Newton's laws with the normal
-force and the friction as unknowns, follows a motion in closed form with 40 digits, and finds the mode after each event
-by trying all of them. What follows a reverse slip that ends in a seizure, R < 0, is decided by the coupling torque
-(docs/physics.md).
+What follows a reverse slip that ends in a seizure, R < 0, is decided by the coupling torque (docs/physics.md).
 """
 
 import numpy as np
 import pytest
-from references.drives import DRIVES as KINDS
-from references.drives import threads_drive
-from references.four_states_digits import mode_name, simulate
+from references.comparisons import held
+from references.drives import DRIVES, threads_drive
 
 from lsvib import Drive
-from lsvib.engine.kernels.layout import FIRST_MODEL_KIND
 from lsvib.engine.motion import follow
-from lsvib.models.drive import DRY, PART_OF
-from lsvib.models.model import automaton_of, model_of
+from lsvib.models.model import automaton_of
 from lsvib.models.names import Event
 from lsvib.models.rigid import MotionMode, rigid_automaton
 
-# Of each coordinate, what steady sliding of the chapter's drives is resolved to.
-LEAST = {"threads": (0, 0, 0, 0), "support": (1e-2, 1.0, 1e-7, 1e-4), "nut": (1e-2, 1.0, 1e-2, 1.0)}
 START, UNLOADED = (0.1, 0.0, 0.0, 0.0), (0.005, 0.0, 0.0, 0.0)
 BACKWARD, WOUND_UP = (-0.05, -60.0, 1e-9, 1e-3), (0.1, 30.0, 0.0, -1e-2)
 
@@ -62,35 +54,15 @@ SCENES = {
 }
 
 
-def build(model, parameters):
-    """A drive, its automaton, and the frictions against the ground that it has."""
-    drive = KINDS[model]({key: x for key, x in parameters.items() if PART_OF.get(key, model) == model})
-    return drive, automaton_of(drive), tuple(name for name in DRY if getattr(drive, name))
-
-
-def size_of(model, motion):
-    states = np.vstack([motion.before, motion.after, motion.start_state, motion.end_state])
-    return np.maximum(np.abs(states).max(axis=0), LEAST[model])
-
-
 @pytest.mark.parametrize("name", SCENES)
 def test_motion_against_40_digits(name):
-    """The same modes after the same events, times within 1e-12 s, and the end within 1e-9 of each coordinate's size.
+    """The same modes after the same events; times within 1e-12 s, states within 1e-9 of each coordinate's size.
 
     1e-9 is what the project promises; without a stiff contact 1e-13 s and 1e-10 are kept.
     """
-    model, parameters, start, duration = SCENES[name]
-    drive, automaton, there = build(model, parameters)
-    motion = follow(automaton, start, duration, max_events=3000)
-    exact = simulate(dict(drive), model, there, start, duration, max_events=3000)
-    ours = motion.kind >= FIRST_MODEL_KIND if model != "threads" else slice(None)
-    modes = [model_of(drive).modes(int(code)).name.lower() for code in automaton.codes[motion.mode[ours]]]
-    assert modes == [mode_name(event.mode_after, model) for event in exact.events]
-    assert modes
-    late = np.abs(motion.time[ours] - np.array([event.time for event in exact.events], dtype=float)).max()
-    error = np.max(np.abs(motion.end_state - np.array(exact.state, dtype=float)) / size_of(model, motion))
-    assert late <= (1e-12 if model == "threads" else 1e-13)
-    assert error <= (1e-9 if model == "threads" else 1e-10)
+    part, parameters, start, duration = SCENES[name]
+    tolerances = (1e-9, 1e-12) if part == "threads" else (1e-10, 1e-13)
+    assert held(DRIVES[part](parameters), start, None, duration, 3000, *tolerances)
 
 
 @pytest.mark.parametrize("force", [-50.0, -10.0])

@@ -9,9 +9,8 @@ from contextlib import suppress
 from itertools import chain
 
 import numpy as np
-from models import test_parts
 from references.comparisons import RULES
-from references.drives import random_drive, random_start
+from references.drives import drive_with_parts, random_drive, random_start
 
 from benchmarks.sweeps.energy_balance import balance
 from lsvib.engine.motion import follow
@@ -31,7 +30,7 @@ def motions(count):
 
 def motions_with_parts(seeds):
     """The same of drives with parts and laws, but for those that are refused."""
-    for drive, start in map(test_parts.random_drive, seeds):
+    for drive, start in map(drive_with_parts, seeds):
         with suppress(InputError, EngineError):
             yield drive, "contact_sign", follow(automaton_of(drive), start, 0.05, max_events=200), (start, 0.05)
 

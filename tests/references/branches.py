@@ -1,6 +1,6 @@
 """Random branches of cycles, and a judge of them that shares no code with what follows them.
 
-A cycle is a state and a period after which its motion by Newton's laws (:mod:`references.contacts`) is back; where none
+A cycle is a state and a period after which its motion by Newton's laws (:mod:`references.series`) is back; where none
 is given it is solved for on differences of such motions. Only what attracts beyond an end is asked of the package.
 """
 
@@ -10,7 +10,6 @@ from collections import Counter
 from typing import NamedTuple
 
 import numpy as np
-from models.test_parts import COLLAR, LAWS, MOTOR, OWN, POSSIBLE
 
 from lsvib import Drive
 from lsvib.dynamics.attractor import steady_state
@@ -18,8 +17,8 @@ from lsvib.dynamics.cycles import cycle_of
 from lsvib.errors import EngineError, InputError
 from lsvib.models.mechanism import standing_state
 from lsvib.models.model import automaton_of, model_of
-from references.contacts import Contacts
-from references.drives import drawn, power
+from references.drives import COLLAR, LAWS, MOTOR, OWN, POSSIBLE, drawn, power
+from references.series import Series
 
 PARTS = (), (), (), ("support",), ("nut",), ("threads",), ("support", "nut"), ("nut", "threads")
 DRY = {"slide_friction": power(-0.5, 1), "bearing_friction": power(-3, -1.5)}
@@ -63,7 +62,7 @@ def allowed(drive: Drive, parameter: str, factor: float) -> float:
 
 
 class Closed(NamedTuple):
-    """A periodic motion by Newton's laws: an absolute state amid an arc, its period, its events (kind, mode)."""
+    """A periodic motion by Newton's laws: a state amid an arc, its period, its events (kind, mode)."""
 
     state: np.ndarray
     period: float
@@ -76,33 +75,39 @@ def happened(found) -> Counter:
 
 def named(drive, events) -> Counter:
     """Events (kind, name of the mode) in the words of the reference, without passages, which are none."""
-    modes = [(kind, Contacts(drive).mode(mode)) for kind, mode in events if kind != "passage"]
+    modes = [(kind, Series(drive).mode(mode)) for kind, mode in events if kind != "passage"]
     return Counter((kind, tuple(sorted(mode.items()))) for kind, mode in modes)
 
 
 def middle(cycle) -> Closed:
     """A cycle of the package amid its longest arc, of those in which most slides."""
-    orbit, laws, model = cycle.orbit, Contacts(cycle.drive), model_of(cycle.drive)
+    orbit, laws, model = cycle.orbit, Series(cycle.drive), model_of(cycle.drive)
     modes, _, _, durations = orbit.arcs()
     ways = [laws.mode(model.modes(int(orbit.automaton.codes[mode])).name.lower()) for mode in modes]
     k = max(range(len(ways)), key=lambda k: (sum(ways[k][name] != 0 for name in laws.dry), durations[k]))
     state = orbit.at(np.array([sum(durations[:k]) + durations[k] / 2]))[0][0]
-    return Closed(state + laws.steady, cycle.period, named(cycle.drive, cycle.itinerary))
+    return Closed(state, cycle.period, named(cycle.drive, cycle.itinerary))
+
+
+def rate(laws: Series, state: np.ndarray, mode: dict) -> np.ndarray:
+    found = laws.own(state + laws.steady, mode)
+    return np.column_stack([state[1::2], [float(found[name]) for name in laws.q]]).ravel()
 
 
 def closed(drive, near: Closed, size) -> Closed | None:
     """The periodic motion of a drive next to a state and a period, by Broyden's method on differences of motions."""
-    laws, x, period, matrix, last = Contacts(drive), near.state.copy(), near.period, None, math.inf
+    laws, x, period, matrix, last = Series(drive), near.state.copy(), near.period, None, math.inf
     step = np.zeros(len(x) + 1)
     for _ in range(20):
         first, (*events, end) = laws.follow(x, period, 400)
-        gap, along = np.append((end.state - x) / size, 0.0), laws.rate(0.0, x, first) / size
-        if end.time < period or np.abs(gap).max() > 10 * last or np.abs(step).max() > 0.3:
+        there = end.state.astype(float)
+        gap, along = np.append((there - x) / size, 0.0), rate(laws, x, first) / size
+        if float(end.time) < period or np.abs(gap).max() > 10 * last or np.abs(step).max() > 0.3:
             return None
         if matrix is None or np.abs(gap).max() > 0.5 * last:
             ends = [laws.follow(x + step, period, 400)[1][-1].state for step in 1e-8 * np.diag(size)]
-            jacobian = np.array([(there - end.state) / size for there in ends]).T / 1e-8 - np.eye(len(x))
-            late = laws.rate(period, end.state, end.mode) / size * period
+            jacobian = np.array([(one - end.state) / size for one in ends]).T.astype(float) / 1e-8 - np.eye(len(x))
+            late = rate(laws, there, end.mode) / size * period
             matrix = np.block([[jacobian, late[:, None]], [along / np.abs(along).max(), 0.0]])
         else:
             matrix = matrix + np.outer(gap, step) / (step @ step)
@@ -164,8 +169,8 @@ class Judge:
     def periodic(self, point) -> None:
         """A point is a periodic motion, with its events; where law + hardly holds it makes more of a rounding."""
         own = middle(point.cycle)
-        _, (*events, end) = Contacts(point.cycle.drive).follow(own.state, own.period, 400)
-        gap = (np.abs(end.state - own.state) / sizes(point)).max()
+        _, (*events, end) = Series(point.cycle.drive).follow(own.state, own.period, 400)
+        gap = (np.abs(end.state.astype(float) - own.state) / sizes(point)).max()
         most = 1e-4 if "contact_reversal" in dict(point.cycle.itinerary) else 1e-8
         if not gap <= most * max(1.0, point.cycle.leading) or happened(events) != own.events:
             self.fault("no such motion at", point.value, gap, happened(events) - own.events)
@@ -248,8 +253,7 @@ class Judge:
                 change.value + math.copysign(part * (self.span[1] - self.span[0]), last.value - inner.value)
             )
             try:
-                state = own.state - Contacts(drive).steady
-                cycle = cycle_of(drive, steady_state(automaton_of(drive), state, max_events=100_000))
+                cycle = cycle_of(drive, steady_state(automaton_of(drive), own.state, max_events=100_000))
             except EngineError:
                 return
             if cycle is None:

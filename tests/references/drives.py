@@ -7,14 +7,17 @@ dampings from nearly none to strong.
 
 import math
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from lsvib import Drive
+from lsvib.errors import InputError
 from lsvib.models import chapter
 from lsvib.models.drive import PART_OF, PARTS
+from lsvib.models.friction import NAMES
 from lsvib.models.mechanics import friction_factor
 from references.known import JERKING, NEAR_FOLD, NEGATIVE_DAMPING, PARADOX  # noqa: F401  (where tests look for drives)
 from references.rigid_digits import RigidTrueDrive
@@ -251,6 +254,102 @@ def _states(rng, drive: Drive, count: int) -> np.ndarray:
             found[k, 3] = 0.0
         found[k] *= {"near": 1e-8, "equilibrium": 0.0}.get(where, 1.0)
     return found
+
+
+POSSIBLE = {  # of drives of the chapter's size
+    "mass": power(-0.5, 1.1),
+    "coupling_stiffness": power(-0.5, 0.5),
+    "support_damping": power(-4.5, -2.5),
+    "translation_damping": times(one_of(0, 1), power(1, 3)),
+    "axial_force": signed(power(0.5, 2)),
+    "input_speed": signed(power(0.5, 1.6)),
+    "friction_coefficient": uniform(0.1, 0.3),
+}
+OWN = {
+    "support": {
+        "screw_mass": power(-0.5, 1), "support_stiffness": power(4, 6), "axial_support_damping": power(1, 2)
+    },
+    "nut": {"nut_inertia": power(-5.5, -4.5), "nut_stiffness": power(-1, 1), "nut_damping": power(-5, -3)},
+    "threads": {"contact_stiffness": power(4, 6), "contact_damping": power(1, 2)},
+}  # fmt: skip
+MOTOR = {
+    "motor_inertia": power(-5.5, -4.5), "integral_gain": power(-0.5, 0.5), "speed_gain": power(-4, -2.5),
+    "coupling_damping": power(-5, -4),
+}  # fmt: skip
+LAWS = (  # of friction: constant, higher at rest, rising towards slow sliding, with a slope, both
+    {}, {"static_friction_coefficient": uniform(1.2, 1.6)},
+    RISE := {"stribeck_rise": uniform(0, 0.1), "stribeck_speed": power(-2.3, -0.5), "stribeck_exponent": one_of(1, 2)},
+    SLOPE := {"friction_slope": uniform(-0.5, 0.3)}, RISE | SLOPE,
+)  # fmt: skip
+COLLAR = {"collar_friction": uniform(0.05, 0.3), "collar_radius": power(-2.6, -1.9)}
+
+
+def drive_with_parts(seed: int, collar: bool = False, motor: bool = False) -> tuple[Drive, np.ndarray]:
+    """A drive with random parts, or a collar, frictions and a law or none; and a start.
+
+    Without frictions of a body that slides on its own, which are not followed under a law.
+    """
+    rng = np.random.default_rng([seed, 45])
+    values, own = drawn(rng, POSSIBLE), {part: drawn(rng, draws) for part, draws in OWN.items()}
+    parts = [part for part in OWN if rng.random() < 0.6 and not collar]
+    for part in parts:
+        values |= own[part]
+    values |= drawn(rng, MOTOR) if motor else {}
+    values |= drawn(rng, COLLAR) if collar else {}
+    law = LAWS[rng.integers(len(LAWS))]
+    values |= {key: values["friction_coefficient"] * x if "static" in key else x for key, x in drawn(rng, law).items()}
+    dry = drawn(rng, slide_friction=power(-0.5, 1), bearing_friction=power(-3, -1.5)) if rng.random() < 0.6 else {}
+    for key, bodies in (("slide_friction", {"support", "threads"}), ("bearing_friction", {"nut"})):
+        if key in dry and not (bodies & {*parts} and law.keys() & NAMES[1:]):
+            values[key] = dry[key]
+    drive = Drive(**values)
+    start = np.zeros(2 + 2 * len(drive.parts))
+    start[:2] = rng.uniform(-0.2, 0.2), rng.uniform(-2, 2) * drive.input_speed
+    return drive, start
+
+
+def drive_with_law(model: str, rng: np.random.Generator):
+    """A drive about as large as the chapter's, with a law of friction that matters at its speed."""
+    values = drawn(
+        rng, LIKE_TABLE_8_1, input_speed=times(about(10.0, 8.0), one_of(-1, 1)),
+        support_damping=times(about(2e-4), one_of(0, 1, 2, 3)), mass=about(3.0),
+        axial_force=times(about(40.0), one_of(-1, 1)), translation_damping=times(about(20.0), one_of(0, 1)),
+    )  # fmt: skip
+    own = {name: drawn(rng, draws) for name, draws in LIKE_PARTS.items()}[model]
+    speed = values["pitch_radius"] * abs(values["input_speed"])
+    law = drawn(rng, friction_slope=times(about(0.02 / speed), one_of(-1.0, 0.5)))
+    if rng.random() < 0.8:
+        law |= drawn(rng, stribeck_rise=about(0.05), stribeck_speed=about(speed), stribeck_exponent=one_of(1, 2))
+    return DRIVES[model].of(values | own | law)
+
+
+def law_starts(seeds):
+    """Rigid drives with a friction law whose speeds and coefficients matter, with a start of each.
+
+    But for those whose friction of steady sliding is beyond cot λ.
+    """
+    for seed in seeds:
+        rng = np.random.default_rng([20261126, seed])
+        speed = rng.choice([-1, 1]) * rng.uniform(2.0, 60.0)
+        sliding = Drive().pitch_radius * abs(speed) / math.cos(Drive().lead_angle)
+        friction = rng.uniform(0.05, 0.3)
+        rise = rng.uniform(0.01, 0.25) if rng.random() < 0.8 else 0.0
+        sign = rng.choice([-1, 0, 1]) if rise else rng.choice([-1, 1])
+        values = {
+            "friction_coefficient": friction,
+            "stribeck_rise": rise,
+            "stribeck_speed": sliding * 10 ** rng.uniform(-1.5, 0.7) if rise else 0.0,
+            "stribeck_exponent": int(rng.choice([1, 2])) if rise else 1,
+            "friction_slope": float(sign * friction * 10 ** rng.uniform(-2.5, -0.3) / sliding),
+            "static_friction_coefficient": (friction + rise) * rng.uniform(1.0, 1.5) if rng.random() < 0.5 else 0.0,
+            "mass": rng.uniform(0.5, 30.0),
+            "support_damping": 10 ** rng.uniform(-4.5, -2.0) if rng.random() < 0.7 else 0.0,
+            "translation_damping": rng.uniform(20.0, 1000.0) if rng.random() < 0.5 else 0.0,
+            "axial_force": rng.choice([-1, 1]) * 10 ** rng.uniform(0.0, 2.3),
+        }
+        with suppress(InputError):
+            drive = Drive.of(**values, input_speed=speed)
+            yield drive, (rng.uniform(-0.4, 0.4), rng.uniform(-2.0, 2.0) * abs(speed))
 
 
 OFFERED = ("threads", "support", "nut")

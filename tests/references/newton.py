@@ -1,51 +1,47 @@
-"""Newton's laws of steady sliding, body by body (:class:`references.bodies.Bodies`), linearised with many digits.
+"""Newton's laws of steady sliding (:class:`references.bodies.Bodies`), linearised with many digits.
 
-Numbers are flint's balls. Under a friction law the linearisation is by differences, with 80 digits, of which only the
-middle is kept; without, the state matrix has the rates at unit states as columns. Stability is by eigenvalues, or by
-Routh's array of the characteristic polynomial.
+Stability is by eigenvalues, or by Routh's array of the characteristic polynomial.
 """
 
 import mpmath
-from flint import acb, acb_mat, arb, ctx
+import numpy as np
+from flint import acb_mat, arb, arb_mat, ctx
 from mpmath import mpf
 
 from .bodies import Bodies
 
 DIGITS = 250  # rates of random drives lie up to 30 decades apart, and the polynomial has products of four of them
-FEWER = 80  # of differences
-STEP = arb(10) ** -25  # of a central difference, relative to the rates of the drive
+FEWER = 80  # under a law, whose slope is a difference
+STEP = arb(10) ** -25  # of a central difference, over the input speed
 
 
 def laws_of(model, drive) -> Bodies:
-    """The laws of a drive of a model, in balls."""
-    return Bodies(drive, parts=() if model == "rigid" else (model,), number=arb)
+    """The laws of a drive of a model."""
+    return Bodies(drive, parts=() if model == "rigid" else (model,))
 
 
-def sliding_state(laws) -> list:
-    """The state of steady sliding, by the balance of forces."""
-    state = list(laws.steady)
-    if "e" in laws.place:
-        normal = laws.axial / (laws.cos + laws.steady_law * laws.mu(laws.p["input_speed"]) * laws.sin)
-        state[2] = normal / (laws.cos * laws.p["contact_stiffness"])
-    return state
+def linearised(laws: Bodies, mode: dict, state=None) -> arb_mat:
+    """State matrix of a mode; under a law of friction that at a state."""
+    slip = laws.values([laws.slip], state if state is not None else [0] * laws.size)[0]
+    rows = laws.rates(mode, laws.mu(slip))
+    if state is not None:
+        step = STEP * laws.p["input_speed"]
+        ends = (laws.values(laws.rates(mode, laws.mu(slip + way * step)), state) for way in (1, -1))
+        rows = rows + np.outer([(a - b) / (2 * step) for a, b in zip(*ends, strict=True)], laws.slip)
+    return arb_mat([list(row[: laws.size]) for row in rows[: laws.size]])
 
 
-def eigenvalues_by_differences(model, drive):
-    """Eigenvalues [1/s] of the steady sliding of a drive, as mpmath's complex numbers, in ascending real part."""
+def eigenvalues_of_sliding(drive) -> list[mpmath.mpc]:
+    """Eigenvalues [1/s] of the steady sliding of a drive, in ascending real part."""
     with ctx.workdps(FEWER):
-        laws = laws_of(model, drive)
-        state, mode = sliding_state(laws), laws.sliding
-        assert all(rate.contains(0) for rate in laws.rate(0, state, mode))  # it is a state of rest of the laws
-        jacobian = acb_mat(len(state), len(state))
-        for j in range(len(state)):
-            step, ends = STEP * (laws.p["input_speed"] if j % 2 else arb(1)), []
-            for way in (1, -1):
-                moved = list(state)
-                moved[j] += way * step
-                ends.append(laws.rate(0, moved, mode))
-            for i in range(len(state)):
-                jacobian[i, j] = acb(((ends[0][i] - ends[1][i]) / (2 * step)).mid())
-        found = sorted(jacobian.eig(nonstop=True), key=lambda x: (float(x.real), float(x.imag)))
+        laws = Bodies(drive)
+        state, mode, mu = list(laws.steady), laws.sliding, laws.mu(laws.p["input_speed"])
+        if "e" in laws.place:  # which is counted from no force
+            bears = laws.cos + laws.steady_law * mu * laws.sin
+            state[laws.place["e"]] = laws.axial / (bears * laws.cos * laws.p["contact_stiffness"])
+        assert all(rate.contains(0) for rate in laws.values(laws.rates(mode, mu)[: laws.size], state))  # of rest
+        found = acb_mat(linearised(laws, mode, state).mid()).eig(nonstop=True)
+        found = sorted(found, key=lambda x: (float(x.real), float(x.imag)))
     with mpmath.workdps(FEWER):
         return [mpmath.mpc(*(part.str(FEWER, radius=False) for part in (x.real, x.imag))) for x in found]
 
@@ -67,14 +63,10 @@ def steady_law(drive) -> int:
 
 
 def state_matrix(model: str, drive, law: int) -> list[list[mpf]]:
-    """State matrix; its columns are the rates at unit states, because without loads the equations are homogeneous."""
+    """State matrix under a law and constant friction."""
 
     def rates(laws: Bodies) -> list[list[mpf]]:
-        laws.p |= {"axial_force": arb(0), "input_speed": arb(0)}
-        size = 2 if model == "rigid" else 4
-        units = [[arb(int(i == j)) for i in range(size)] for j in range(size)]
-        columns = [laws.rate(0, unit, {"slip": 1, "contact": law}) for unit in units]
-        rows = zip(*columns, strict=True)
+        rows = linearised(laws, {"slip": 1, "contact": law}).tolist()
         return [[mpf(0) if x.contains(0) else mpf(x.mid()) for x in row] for row in rows]
 
     return solved(rates, model, drive)

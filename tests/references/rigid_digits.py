@@ -1,7 +1,7 @@
 """High-precision reference for the rigid lead-screw drive (one degree of freedom).
 
 A yardstick, not an engine: every line aims to be checkable by eye.  All numbers are mpmath
-floats; inputs are taken as the exact doubles (or mpf) given.  It imports nothing of the library but other references.
+floats; inputs are taken as the exact doubles (or mpf) given.  It imports nothing of the library.
 
 Newton's laws, with p = r tan(lambda) so that the nut moves by p*theta, and with A = N (cos + mu_s sin)
 the axial force of the contact, mu_s = mu*s, s = sgn(theta_dot) sgn(N):
@@ -43,7 +43,29 @@ from itertools import chain
 
 from mpmath import mp, mpf
 
-from references.exponential_sums import solve
+
+def solve(f, slope, left, right, tolerance):
+    """Root of a monotone f with f(left) > 0 >= f(right): Newton kept inside a shrinking bracket.
+
+    Where Newton's steps do not halve (along a steep exponential they stay the same) the bracket is halved instead.
+    """
+    tolerance = max(tolerance, right * mpf(10) ** (5 - mp.dps))  # no finer than the working digits
+    x, last = (left + right) / 2, right - left
+    while right - left > tolerance:
+        value, d = f(x), slope(x)
+        if value > 0:
+            left = x
+        else:
+            right = x
+        step = -value / d if d != 0 else right - left
+        if abs(step) < tolerance / 4:  # converged? then a step of tolerance brackets it
+            low, high = max(left, x + step - tolerance / 2), min(right, x + step + tolerance / 2)
+            if f(low) > 0 >= f(high):
+                return x + step
+        if not (left < x + step < right and abs(step) <= last / 2):
+            step = (left + right) / 2 - x
+        x, last = x + step, abs(step)
+    return (left + right) / 2
 
 
 class RigidTrueFlow:

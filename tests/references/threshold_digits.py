@@ -6,7 +6,6 @@ by one-dimensional root finding or by fixed points; ``hint`` is the time [s], of
 which the root lies.
 """
 
-from flint import arb, arb_mat
 from mpmath import mp, mpf
 
 from references.rigid_digits import GUARD_DIGITS, RigidTrueDrive, RigidTrueFlow
@@ -151,8 +150,7 @@ def jam(model, values):
     """Determinant of the equations of motion under law +: it vanishes where the threads jam (support, nut)."""
 
     def determinant(laws):
-        _, matrix, _ = laws.system([arb(0)] * 4, {"slip": 1, "contact": 1})
-        return arb_mat(matrix).det()
+        return laws.equations({"slip": 1, "contact": 1}, laws.p["friction_coefficient"])[1].det()
 
     return solved(determinant, model, values.items())
 

@@ -5,8 +5,8 @@ import math
 import mpmath
 import numpy as np
 import pytest
-from references import newton
-from references.drives import DRIVES, LIKE_PARTS, LIKE_TABLE_8_1, about, drawn, one_of, threads_drive, times
+from references.drives import DRIVES, drive_with_law, threads_drive
+from references.newton import eigenvalues_of_sliding
 from references.sizes import sizes
 
 from lsvib import Drive
@@ -24,21 +24,6 @@ LEAD, RADIUS = math.radians(5.57), 5.18e-3
 SEAT = PAIRINGS["powered_seat"].parameters()  # a measured law of a seat adjuster
 
 
-def random_drive(model: str, rng: np.random.Generator):
-    """A drive about as large as the chapter's, with a law of friction that matters at its speed."""
-    values = drawn(
-        rng, LIKE_TABLE_8_1, input_speed=times(about(10.0, 8.0), one_of(-1, 1)),
-        support_damping=times(about(2e-4), one_of(0, 1, 2, 3)), mass=about(3.0),
-        axial_force=times(about(40.0), one_of(-1, 1)), translation_damping=times(about(20.0), one_of(0, 1)),
-    )  # fmt: skip
-    own = {name: drawn(rng, draws) for name, draws in LIKE_PARTS.items()}[model]
-    speed = values["pitch_radius"] * abs(values["input_speed"])
-    law = drawn(rng, friction_slope=times(about(0.02 / speed), one_of(-1.0, 0.5)))
-    if rng.random() < 0.8:
-        law |= drawn(rng, stribeck_rise=about(0.05), stribeck_speed=about(speed), stribeck_exponent=one_of(1, 2))
-    return DRIVES[model].of(values | own | law)
-
-
 def polynomial_of(roots) -> list:
     """Coefficients of the polynomial with these roots, the highest one 1."""
     found = [mpmath.mpf(1)]
@@ -51,8 +36,8 @@ def polynomial_of(roots) -> list:
 def test_report_against_newtons_laws(model):
     rng, kinds = np.random.default_rng(1), set()
     for _ in range(25):
-        drive = random_drive(model, rng)
-        report, exact = stability(drive), newton.eigenvalues_by_differences(model, drive)
+        drive = drive_with_law(model, rng)
+        report, exact = stability(drive), eigenvalues_of_sliding(drive)
         with mpmath.workdps(60):
             expected = polynomial_of(exact)
         lead = report.characteristic_polynomial[0]
@@ -70,7 +55,7 @@ def test_report_against_newtons_laws(model):
 def test_polynomial_in_balls_in_floats_and_of_grids(model):
     rng = np.random.default_rng(2)
     for _ in range(10):
-        drive = random_drive(model, rng)
+        drive = drive_with_law(model, rng)
         law, report = spectrum.steady_law(drive), stability(drive)
         for own in (drive, drive.exact()):
             found = [float(p) for p in spectrum.polynomial(own, law)]
@@ -102,7 +87,7 @@ def test_onset_by_every_parameter(model):
     """Every solution divides stable from unstable drives, and every random value has the stability that is said."""
     rng, seen = np.random.default_rng(3), set()
     for _ in range(3):
-        drive = random_drive(model, rng)
+        drive = drive_with_law(model, rng)
         for key in set(DRIVES[model].parameters) - {"stribeck_exponent"}:
             if key == "stribeck_rise" and not drive.stribeck_speed:
                 continue
@@ -135,7 +120,7 @@ def judged(model, drive, key, value, stable) -> bool | None:
         return None
     x = math.tan(value) if key == "lead_angle" else value
     said = any(float(low) < x < float(high) for low, high in stable.intervals)
-    exact = newton.eigenvalues_by_differences(model, other)
+    exact = eigenvalues_of_sliding(other)
     assert said == bool(mpmath.re(exact[-1]) < 0), (key, value, drive)
     return said
 
@@ -152,7 +137,7 @@ def solutions(drive, key):
 def test_derivatives_of_the_onset(model):
     rng, count = np.random.default_rng(5), 0
     while count < 3:
-        drive = random_drive(model, rng)
+        drive = drive_with_law(model, rng)
         if not drive.stribeck_rise or not (found := solutions(drive, "axial_force")):
             continue
         count += 1
