@@ -170,7 +170,7 @@ def test_a_dataset_is_built_without_matplotlib():
 REFERENCES = Path(__file__).parents[1] / "references"
 JUDGES = ("bodies", "newton", "rigid_digits", "series", "threshold_digits")
 KNOWN = {"flint", "mpmath", "numpy", "scipy.linalg", "scipy.optimize"}
-STANDARD = {"collections", "dataclasses", "itertools", "math", "re", "typing"}
+STANDARD = {"collections", "dataclasses", "itertools", "math", "operator", "re", "typing"}
 
 
 @pytest.mark.parametrize("name", JUDGES)

@@ -12,6 +12,7 @@ an exponential of the matrix, under a law a power series in s, a step of which i
 import math
 from collections.abc import Callable, Iterator
 from itertools import pairwise, product
+from operator import mul
 from typing import NamedTuple
 
 import numpy as np
@@ -92,6 +93,7 @@ class Series(Bodies):
         self.digits, self.forms = digits, {}
         with ctx.workdps(digits + SPARE):
             super().__init__(drive)
+            self.ways = {contact: arb_mat([list(row)]) for contact, row in self.speeds.items()}
             self.frictions = [body for body in ("bearing", "slide") if self.most(body) > 0]
             self.dry = ["slip", *filter(self.free, self.frictions)]  # what may rest or move by itself
             speeds = [arb(speed) for speed in speeds] or [self.p["input_speed"]]
@@ -109,7 +111,7 @@ class Series(Bodies):
 
     def speed(self, place: arb_mat, contact: str = "slip"):
         """A speed at a place: a column of the state, the commanded speed, its rate, the time, and 1."""
-        return (arb_mat([list(self.speeds[contact])]) * place)[0, 0].mid()
+        return (self.ways[contact] * place)[0, 0].mid()
 
     def inertia(self, slip):
         """Inertia under law + of rigid threads, over that without friction; below 0 law + does not hold."""
@@ -280,16 +282,16 @@ class Arc:
     def coefficients(self, place: arb_mat, terms: int) -> tuple[list[arb_mat], list[arb]]:
         """Power series of the place in s, and of μ."""
         p, (fixed, rubbed), places, mu = self.laws.p, self.form.rates, [place], []
-        slip, lever = arb_mat([list(self.laws.slip)]), self.mode["slip"] * p["pitch_radius"] / self.laws.cos
+        slip, lever = self.laws.ways["slip"], self.mode["slip"] * p["pitch_radius"] / self.laws.cos
         ratio, square = lever / (p["stribeck_speed"] if p["stribeck_rise"] != 0 else 1), p["stribeck_exponent"] == 2
-        turned, power, fade = [], [], []
+        turned, steep, fade = [], [], []
         for k in range(terms):
             turned.append((slip * places[k])[0, 0])
             if self.law:
                 mu.append(p["friction_slope"] * lever * turned[k] + (p["friction_coefficient"] if k == 0 else 0))
-                own = ratio * sum(a * b for a, b in zip(turned, turned[::-1], strict=True)) if square else turned[k]
-                power.append(-ratio * own)
-                fade.append(sum(j * power[j] * fade[k - j] for j in range(1, k + 1)) / k if k else power[0].exp())
+                power = -ratio * (ratio * sum(map(mul, turned, turned[::-1])) if square else turned[k])
+                steep.append(k * power)
+                fade.append(sum(map(mul, steep[1:], fade[::-1])) / k if k else power.exp())
                 mu[k] += p["stribeck_rise"] * fade[k]
             elif k == 0:
                 mu.append(self.mu)
@@ -343,7 +345,7 @@ class Arc:
                 step, flow = 2 * step, (flow * flow).mid()
 
     def by_series(self) -> Iterator[Sample]:
-        """Eight samples a step of a power series."""
+        """Five samples a step of a power series."""
         begin, place = arb(0), self.place
         for _ in range(4000):
             if abs(1 + self.form.loss * self.raw(place)) < 1e-20:
@@ -357,8 +359,8 @@ class Arc:
                     total = total * s + one
                 return total.mid()
 
-            for part in range(8):
-                ahead = arb(step * part / 8)
+            for part in range(5):
+                ahead = arb(step * part / 5)
                 yield begin + ahead, at(ahead), lambda ds, at=at, ahead=ahead: at(ahead + ds)
             begin, place = begin + arb(step), at(arb(step))
         raise AssertionError("where law + of rigid threads hardly holds, they are too stiff for this")
@@ -375,7 +377,7 @@ class Arc:
         step = float(np.exp(np.nanmin(radii)))
         if p["stribeck_rise"] != 0:
             unit, power = self.laws.cos * p["stribeck_speed"] / p["pitch_radius"], float(p["stribeck_exponent"]) or 1.0
-            speeds = np.array([float(self.laws.speed(one) / unit) for one in places])[::-1]
+            speeds = (doubles(self.laws.ways["slip"]) @ rows)[0, ::-1] / float(unit)
             most = min(abs(speeds[-1]) ** power - ALIKE, NOTHING)
             while (np.abs(np.polyval(speeds, step * np.linspace(0, 1, 9))) ** power).min() < most:
                 step /= 2
