@@ -28,12 +28,9 @@ def truth(
     if drive.rigid and not (drive.stribeck_rise or drive.friction_slope):
         return _closed(drive, start, duration, digits, most, steady_from)
     laws = Series(drive, digits=digits)
-    turns = {"turn": lambda place, _: place[1, 0] - laws.p["input_speed"]} if steady_from < math.inf else {}
-    first, (*found, last) = laws.follow(start, duration, most, turns)
-    events = [event for event in found if event.kind != "turn"]
+    first, (*events, last) = laws.follow(start, duration, most)
     kinds = [event.kind if physics is None else told(laws, event) for event in events]
-    states = _visited(laws, () if physics is None else _SAMPLES)
-    angles = [float(event.state[0]) for event in (*found, last) if event.time >= steady_from] or [math.inf, -math.inf]
+    states = [*_visited(laws, () if physics is None else _SAMPLES)]
     return Record(
         kinds=kinds,
         times=np.array([float(event.time) for event in events]),
@@ -41,7 +38,7 @@ def truth(
         size=np.abs(np.array([start, last.state, *states], dtype=float)).max(axis=0),
         complete=len(events) < most,
         stops=count_stops(kinds, first["slip"] == 0),
-        extremes=(min(angles), max(angles)),
+        extremes=_extremes(laws, start, duration, steady_from),
     )
 
 
@@ -52,6 +49,19 @@ def _visited(laws: Series, parts) -> Iterator[np.ndarray]:
             whole = (end[laws.size + 2, 0] - arc.place[laws.size + 2, 0]) / (1 + arc.form.loss * arc.mu)
             places = [(arc.matrix * (whole * part)).exp() * arc.place for part in parts] or [arc.place, end]
             yield from (np.array(place.entries()[: laws.size]) - laws.steady for place in places)
+
+
+def _extremes(laws: Series, start, duration: float, steady_from: float) -> tuple[float, float]:
+    """Smallest and largest u from a time on, at its turns, at events and at both ends."""
+    if steady_from > duration:
+        return math.inf, -math.inf
+    watched = {
+        "turn": lambda place, _: place[1, 0] - laws.p["input_speed"],
+        "steady": lambda place, _: place[laws.size + 2, 0] - steady_from,
+    }
+    found = laws.follow(start, duration, 1_000_000, watched)[1]
+    angles = [float(event.state[0]) for event in found if float(event.time) >= steady_from]
+    return min(angles), max(angles)
 
 
 def told(laws: Series, event: Happening) -> str:
