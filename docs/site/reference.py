@@ -18,7 +18,6 @@ _GROUPS = {
         "Quantity",
         "Threshold",
         "ThresholdSolution",
-        "PrintedValue",
         "Derivative",
     ],
     "Attractors": ["Attractor", "SteadyState"],

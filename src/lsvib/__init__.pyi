@@ -22,7 +22,6 @@ from .figures.answers import draw as draw
 from .figures.answers import open as open
 from .results import Condition as Condition
 from .results import Derivative as Derivative
-from .results import PrintedValue as PrintedValue
 from .results import Quantity as Quantity
 from .results import StabilityReport as StabilityReport
 from .results import Threshold as Threshold

@@ -100,8 +100,8 @@ class Drive(drive.Drive):
 
         >>> found = lsvib.Drive().thresholds()
         >>> mass = found["kinematic_constraint"]  # the critical mass (8.20)
-        >>> f"{mass.value:.6f} {mass.unit}", mass.printed.value, mass.printed.passed
-        ('10.106965 kg', 10.1, True)
+        >>> f"{mass.value:.6f} {mass.unit}"
+        '10.106965 kg'
         >>> found["stick"].reason
         'the effective damping of law + is not negative, so conditions (8.19) hold for no axial force.'
         """

@@ -119,30 +119,14 @@ class ThresholdSolution:
 
 
 @dataclass(frozen=True)
-class PrintedValue:
-    """What the chapter prints for a threshold of this very drive, and whether the computed value agrees.
-
-    ``value`` as printed, in the unit of the threshold; relative ``tolerance`` [1] that its digits allow;
-    ``relative_error`` [1], None if there is no such threshold; whether it ``passed``; the ``source``, its place.
-    """
-
-    value: float
-    tolerance: float
-    relative_error: float | None
-    passed: bool
-    source: str
-
-
-@dataclass(frozen=True)
 class Threshold:
     """Where a drive with some ``parts`` changes what it does: a condition by ``name``, solved for ``unknown``.
 
     ``solutions``, all that were found, in ascending order, in ``unit`` (UDUNITS spelling); ``how`` says whether these
     are all. ``value``, ``enclosure``, ``derivatives`` and ``equation`` are those of the smallest one; ``several`` says
     that there are more. Without any, ``value`` and ``enclosure`` are None, and ``reason`` says why. ``statement``: what
-    it divides (forces for Ω > 0). ``printed``: the chapter's number, where it prints one for this very drive. Of
-    ``onset`` also ``stability``, asymptotic or neutral, in the ``stable_intervals`` of the unknown, from low to high,
-    None at the end of its range.
+    it divides (forces for Ω > 0). Of ``onset`` also ``stability``, asymptotic or neutral, in the ``stable_intervals``
+    of the unknown, from low to high, None at the end of its range.
     """
 
     name: str
@@ -153,7 +137,6 @@ class Threshold:
     statement: str = ""
     how: str = ""
     reason: str = ""
-    printed: PrintedValue | None = None
     stability: str = ""
     stable_intervals: tuple[tuple[float | None, float | None], ...] = field(default=())
 
@@ -202,14 +185,10 @@ class Threshold:
 
     def rows(self) -> Iterator[tuple[str, str, str]]:
         """Say it in rows of a table: its name, the values of the unknown, and remarks."""
-        printed, about = self.printed, ""
         if self.value is None:
             yield self.name, "none", self.reason
-        elif printed is not None:
-            verdict = "pass" if printed.passed else "FAIL"
-            about = f"chapter {printed.value:g}, relative error {printed.relative_error:.2%}, {verdict}"
         for solution in self.solutions:
-            yield self.name, f"{self.unknown} = {words.quantity(solution.value, self.unit)}", about
+            yield self.name, f"{self.unknown} = {words.quantity(solution.value, self.unit)}", ""
         for low, high in self.stable_intervals:
             first = "" if low is None else f" from {low:.12g}"
             last = "" if high is None else f"{' up' if low is None else ''} to {high:.12g}"

@@ -103,8 +103,3 @@ PARTS = {
     "nut": {"nut_inertia": 3.12e-6, "nut_stiffness": 1.0, "nut_damping": 2e-4},
     "threads": {"contact_stiffness": 1e8, "contact_damping": 1e8},
 }
-
-
-def drive_of(claim: Claim) -> Drive:
-    """Return the drive that a claim is about."""
-    return Drive.of(PARTS["support"] | claim.drive if "screw_mass" in claim.drive else claim.drive)

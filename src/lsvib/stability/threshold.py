@@ -17,13 +17,13 @@ from flint import arb
 
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.errors import EngineError, InputError, NoThreshold
-from lsvib.models import chapter, friction
+from lsvib.models import friction
 from lsvib.models.complaints import allowed_range
 from lsvib.models.drive import DRY, Drive, described, require_direction
 from lsvib.models.model import model_of
 from lsvib.models.thresholds import TABLE
 from lsvib.numbers import shown
-from lsvib.results import Derivative, PrintedValue, Threshold, ThresholdSolution
+from lsvib.results import Derivative, Threshold, ThresholdSolution
 from lsvib.stability import boundaries
 from lsvib.stability.boundaries import FRICTIONLESS, Place, StableSet, places, searched, stable_set
 from lsvib.stability.force_thresholds import STARTS
@@ -239,27 +239,6 @@ def result(
         statement=TABLE[name].statement,
         how=how if solutions else "",
         reason="" if solutions else reason,
-        printed=_printed(drive, name, unknown, solutions),
         stability="" if stable is None else "neutral" if stable.neutral else "asymptotic",
         stable_intervals=() if stable is None else stable.in_doubles(),
-    )
-
-
-def _printed(drive: Drive, name: str, unknown: str, solutions: tuple[ThresholdSolution, ...]) -> PrintedValue | None:
-    """The chapter's number, if it prints one for a drive that has all that the threshold depends on in common."""
-    of = {"kinematic_constraint": {"mass": "critical_mass", "friction_coefficient": "critical_friction"}}
-    key = of.get(name, {}).get(unknown, f"{name}_force" if unknown == "axial_force" else "")
-    claim = chapter.claims()[chapter.THRESHOLDS[key]] if key in chapter.THRESHOLDS else None
-    if claim is None or claim.value is None or drive.parts != (("support",) if "screw_mass" in claim.drive else ()):
-        return None
-    original = chapter.drive_of(claim)
-    counts = solutions[0].derivatives if solutions else {}
-    if any(
-        value != getattr(original, other) and other != unknown and not (counts and counts[other].value == 0)
-        for other, value in drive
-    ):
-        return None
-    error = abs(solutions[0].value - claim.value) / claim.value if solutions else None
-    return PrintedValue(
-        claim.value, claim.tolerance, error, error is not None and error <= claim.tolerance, claim.source
     )
