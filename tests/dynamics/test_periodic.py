@@ -17,7 +17,7 @@ from references.sizes import sizes
 import lsvib
 from lsvib.datasets.cycles import branch_dataset, branch_json
 from lsvib.dynamics.attractor import Attractor, steady_state
-from lsvib.dynamics.cycles import cycle_of, cycle_on, random_starts, search
+from lsvib.dynamics.cycles import cycle_of, cycle_on, random_starts
 from lsvib.dynamics.poincare_map import Section
 from lsvib.engine.kernels.layout import GRAZE_KIND
 from lsvib.errors import EngineError
@@ -144,17 +144,6 @@ def test_a_cycle_without_derivative_is_written_without_multipliers():
     written = replace(cycle, multipliers=np.array([complex(math.nan)]), multiplier_error=math.nan).to_json()
     assert (written["stability"], written["label"]) == ("not known", "other_cycle")
     assert json.loads(json.dumps(written, allow_nan=False))["multipliers"] == [None]
-
-
-def test_return_maps_show_the_pair_near_the_fold_without_a_start():
-    """The search finds both cycles 6e-5 N inside the threshold from their return map alone, as the exact basin does."""
-    drive = NEAR_FOLD.replace(axial_force=-18.3754)
-    found = search(drive, drive.automaton(), []).cycles
-    known = drive.cycles().cycles
-    assert [cycle.attracting for cycle in found] == [True, False]
-    assert [cycle.found_by for cycle in known] == ["start", "boundary of the basin"]
-    for cycle, other in zip(found, known, strict=True):
-        assert cycle.period == pytest.approx(other.period, rel=1e-10)
 
 
 def test_no_cycle_is_proved_where_steady_sliding_is_globally_stable():

@@ -1,18 +1,12 @@
 """Periodic motions of a drive of any model, attracting or repelling, and the search for all of them.
 
 Cycles are solved by Newton's method on the exact Poincaré map (:mod:`lsvib.dynamics.poincare_map`). The search takes
-attracting ones from starts, and repelling ones where return maps cross the diagonal. Every cycle without rest of a
-drive with two states meets Q = 0 or θ′ = 0, because within a mode only steady sliding lasts; with rest it is
-superstable, hence reached from starts. So the return maps of these two lines are searched for P(y) = y: their
-displacement P(y) − y is sampled in both directions over seven decades, and closer and closer towards the places beyond
-which motions do not come back. A change of sign is a cycle or a jump; an extremum on the side of zero is narrowed down
-first, since two cycles that are about to meet lie on either side of it. Of drives with four states the edges between
-what the starts end on are followed instead (:mod:`lsvib.dynamics.edge_tracking`). A search is no proof: what a map does
-between two samples without an extremum that shows stays unseen.
+attracting ones from starts, and repelling ones from the edges between what the starts end on
+(:mod:`lsvib.dynamics.edge_tracking`). A search is no proof: what no start ends on stays unseen.
 """
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from typing import Any
@@ -23,11 +17,10 @@ from lsvib.dynamics.attractor import Attractor, Doubt, SteadyState, cycle_label,
 from lsvib.dynamics.edge_tracking import edge_cycles
 from lsvib.dynamics.energy import Work, means, work
 from lsvib.dynamics.impulses import Impulses, event_impulses
-from lsvib.dynamics.poincare_map import Section, lines, multipliers, nearest_to_origin, section_key, size_of, solve
+from lsvib.dynamics.poincare_map import Section, multipliers, section_key, size_of, solve
 from lsvib.engine.automaton import Automaton
-from lsvib.engine.kernels.layout import ACCUMULATION_KIND, GRAZE_KIND, TIME_SCALE, TaylorFlow
-from lsvib.engine.motion import Budget, Motion, follow
-from lsvib.errors import EngineError
+from lsvib.engine.kernels.layout import ACCUMULATION_KIND, GRAZE_KIND
+from lsvib.engine.motion import Motion, follow
 from lsvib.models.drive import PARTS, Drive
 from lsvib.models.mechanics import coefficients
 from lsvib.models.mechanism import seated_state
@@ -240,13 +233,11 @@ def starts(drive: Drive) -> list[tuple[float, float]]:
 
 
 def random_starts(drive: Drive) -> list[np.ndarray]:
-    """Return starts (n) around steady sliding of a drive with parts, whose cycles may attract little of its states.
+    """Return starts (n) around steady sliding, as a cycle may attract little of the states of a drive.
 
     They are drawn, the same in every run, from boxes of half to eight times what the bodies do in a swing with the
     speed of the motor, of the screw or, if that is faster, their own; the screw also by what twists its coupling.
     """
-    if not drive.parts:
-        return []
     (angle, rate), lever = swing(drive), drive.pitch_radius * math.tan(drive.lead_angle)
     sizes = [angle + abs(float(coefficients(drive).deflection)), rate]
     for part in drive.parts:
@@ -273,7 +264,7 @@ class Search:
 
 
 def search(drive: Drive, automaton: Automaton, states: Iterable[np.ndarray], known: Cycle | None = None) -> Search:
-    """Search for cycles from ``states`` (n), on the lines (two states) and on edges of basins (more); one may be known.
+    """Search for cycles from ``states`` (n) and on the edges of basins between them; one may be known.
 
     Attractors that cannot be determined are left out. The attracting cycles come first, then by period.
     """
@@ -294,19 +285,11 @@ def search(drive: Drive, automaton: Automaton, states: Iterable[np.ndarray], kno
     if doubts:
         verb = "is" if len(doubts) == 1 else "are"
         searched += f", of which {len(doubts)} {verb} unresolved ({'; '.join(sorted(set(doubts)))})"
-    if len(automaton.states) > 2:
-        edges = list(edge_cycles(automaton, endings, lambda section: _on_edge(drive, section)))
-        for cycle in edges:
-            _add(found, cycle)
-        hits = sum(cycle is not None for cycle in edges)
-        searched += "; " + (_edges(len(edges), hits) if edges else "no two ended differently, so no edge was tracked")
-    elif not automaton.contracts and Doubt.WORK_BUDGET not in doubts:
-        found_lines, budget = lines(automaton), Budget(_WORK_OF_LINES)
-        for key, line in found_lines.items():
-            for cycle in _on_line(drive, automaton, key, line, budget):
-                _add(found, cycle)
-        cut = ", in part, as they take more work than is allowed" if budget.left <= 0 else ""
-        searched += f"; return maps of {len(found_lines)} lines over seven decades on both sides{cut}"
+    edges = list(edge_cycles(automaton, endings, lambda section: _on_edge(drive, section)))
+    for cycle in edges:
+        _add(found, cycle)
+    hits = sum(cycle is not None for cycle in edges)
+    searched += "; " + (_edges(len(edges), hits) if edges else "no two ended differently, so no edge was tracked")
     return Search(
         tuple(sorted(found, key=lambda cycle: (not cycle.attracting, cycle.period))), tuple(families), searched, doubts
     )
@@ -337,129 +320,3 @@ def same_cycle(one: Cycle, other: Cycle) -> bool:
         return False
     ends = zip(one.extremes["angle_deviation"], other.extremes["angle_deviation"], strict=True)
     return all(abs(a - b) <= _SAME * (one.amplitude + other.amplitude) for a, b in ends)
-
-
-def slowest(automaton: Automaton) -> float:
-    """Return the longest time scale [s] of the oscillators of an automaton with two states."""
-    flow = automaton.tables.flow
-    if isinstance(flow, TaylorFlow):  # without friction
-        stiff = np.abs(flow.field[:, 1, 0])
-        return float(1 / math.sqrt(stiff[stiff > 0].min()))
-    rows = flow if isinstance(flow, np.ndarray) else flow.oscillators
-    return float(rows[..., TIME_SCALE].max())
-
-
-def _on_line(
-    drive: Drive, automaton: Automaton, key: tuple[int, int], row: np.ndarray, budget: Budget
-) -> Iterator[Cycle]:
-    """Yield the cycles that the return map of a line shows."""
-    sizes = np.array(swing(drive))
-    middle = nearest_to_origin(np.append(row[:2] * sizes, row[2]))  # in these sizes
-    if middle is None:
-        return
-    # A return may take 200 turns of the slowest oscillator, under a friction law, where a turn costs more, 20.
-    longest = (20.0 if isinstance(automaton.tables.flow, TaylorFlow) else 200.0) * slowest(automaton)
-    section = Section(automaton, key, middle * sizes, sizes, 1, longest, sizes, row, budget)
-    # Lines are searched from 10^-4 to 10^3 of the size of a swing of the screw.
-    steps = np.logspace(-4.0, 3.0, 160)  # on each side of a line: each lies a tenth farther out than the one before
-    coarse = np.concatenate([-steps[::-1], [0.0], steps])
-    places = _to_edges(section, coarse, [_gap(section, y) for y in coarse])
-    gaps = [_gap(section, y) for y in places]
-    brackets = []
-    for k in range(len(places) - 1):
-        here, after = gaps[k], gaps[k + 1]
-        if here * after <= 0:
-            brackets.append((places[k], places[k + 1]))
-        elif k > 0 and gaps[k - 1] * here > 0 and here * after > 0 and abs(here) <= min(abs(gaps[k - 1]), abs(after)):
-            nearest = _extremum(section, places[k - 1], places[k + 1], math.copysign(1.0, here))
-            if _gap(section, nearest) * here <= 0:
-                brackets += [(places[k - 1], nearest), (nearest, places[k + 1])]
-    for low, high in brackets:
-        cycle = _within(drive, section, low, high)
-        if cycle is not None and not _of_rounding(cycle):
-            yield cycle
-
-
-def _of_rounding(cycle: Cycle) -> bool:
-    """Whether rounding alone may make P(y) − y change its sign at a cycle of a drive with a friction law.
-
-    There motions are rounded as steady sliding is: what a turn gains or loses has to be more than that.
-    """
-    if not isinstance(cycle.orbit.automaton.tables.flow, TaylorFlow) or cycle.multipliers.size == 0:
-        return False
-    away = abs(abs(cycle.multipliers[0]) - 1) * float(np.abs(cycle.state / cycle.section.size).max())
-    return not (cycle.attracting or cycle.repelling) or away < _ROUNDED
-
-
-def _to_edges(section: Section, places: np.ndarray, gaps: list[float]) -> np.ndarray:
-    """Add places towards both ends of each stretch of places from which motions come back."""
-    more = [places]
-    for k in range(len(places) - 1):
-        if math.isfinite(gaps[k]) == math.isfinite(gaps[k + 1]):
-            continue
-        inside, outside = (places[k], places[k + 1]) if math.isfinite(gaps[k]) else (places[k + 1], places[k])
-        first = inside
-        for _ in range(_HALVINGS):
-            middle = 0.5 * (inside + outside)
-            inside, outside = (middle, outside) if math.isfinite(_gap(section, middle)) else (inside, middle)
-        # Close to an end return maps bend, so samples go down to a millionth.
-        more.append(inside + (first - inside) * np.append(0.7 ** np.arange(1, 40), 0.0))
-    return np.unique(np.concatenate(more))
-
-
-def _gap(section: Section, place: float) -> float:
-    """P(y) − y; nan if the motion does not come back, or leaves at once."""
-    motion = section.come_back(section.state(np.array([place])))
-    if motion is None or motion.time[0] == 0.0:
-        return math.nan
-    return float(section.place(motion.end_state)[0] - place)
-
-
-def _extremum(section: Section, low: float, high: float, sign: float) -> float:
-    """Place between two others at which ``sign`` × (P(y) − y) is smallest, or the first at which it is negative."""
-
-    def height(place: float) -> float:
-        value = sign * _gap(section, place)
-        return value if math.isfinite(value) else math.inf
-
-    golden = 0.5 * (3 - math.sqrt(5))
-    left, right = low + golden * (high - low), high - golden * (high - low)
-    at_left, at_right = height(left), height(right)
-    for _ in range(60):  # steps of the golden section, which leave 1e-12 of the bracket
-        if min(at_left, at_right) < 0:
-            break
-        if at_left < at_right:
-            high, right, at_right = right, left, at_left
-            left = low + golden * (high - low)
-            at_left = height(left)
-        else:
-            low, left, at_left = left, right, at_right
-            right = high - golden * (high - low)
-            at_right = height(right)
-    return left if at_left < at_right else right
-
-
-def _within(drive: Drive, section: Section, low: float, high: float) -> Cycle | None:
-    """Return the cycle in a bracket where P(y) − y changes its sign; Newton's method starts from ever smaller ones."""
-    first = _gap(section, low)
-    width = high - low
-    for _ in range(_HALVINGS):
-        middle = 0.5 * (low + high)
-        try:
-            state, line = section.state(np.array([middle])), section.line
-            there = Section(
-                section.automaton, section.key, state, section.size, 1, section.longest, section.size, line,
-                section.budget,
-            )  # fmt: skip
-            cycle = cycle_on(drive, there, "return map")
-        except EngineError:
-            cycle = None
-        if cycle is not None:
-            place = float(section.place(cycle.state)[0])
-            if low - 1e-9 * width <= place <= high + 1e-9 * width:  # its place is rounded
-                return cycle
-        here = _gap(section, middle)
-        if not math.isfinite(here):
-            return None
-        low, high = (middle, high) if here * first > 0 else (low, middle)
-    return None

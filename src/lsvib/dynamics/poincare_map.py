@@ -86,11 +86,10 @@ def size_of(motion: Motion) -> np.ndarray:
 class Section:
     """The states near ``origin`` (n) in which events of one kind (``key``: kind, mode after) end.
 
-    A place y (d) counts the ``free`` coordinates from the origin in ``unit`` (n), by default those of the origin
-    itself, because an unloaded contact is far from its peak; the other coordinates, ``tied``, follow from the surfaces
-    ``rows`` of the automaton, which are those that the origin meets, or the one line (n + 1) that is given. ``size``
-    (n) is that of the motion. One return of the map is made of ``returns`` returns to the section, each of which may
-    take ``PATIENCE`` times ``longest`` [s].
+    A place y (d) counts the ``free`` coordinates from the origin in ``unit`` (n), those of the origin itself, because
+    an unloaded contact is far from its peak; the others follow from the surfaces of the automaton that the origin
+    meets. ``size`` (n) is that of the motion. One return of the map is made of ``returns`` returns to the section, each
+    of which may take ``PATIENCE`` times ``longest`` [s].
     """
 
     automaton: Automaton
@@ -99,24 +98,19 @@ class Section:
     size: np.ndarray
     returns: int
     longest: float
-    unit: np.ndarray = None  # type: ignore[assignment]  # of the origin
-    line: np.ndarray | None = None
-    budget: Budget | None = None
 
     def __post_init__(self) -> None:
         """Lay the section."""
-        if self.unit is None:
-            # least unit of a coordinate of the origin, relative to its size in the whole motion
-            self.unit = np.maximum(np.abs(self.origin), np.maximum(1e-6 * self.size, np.finfo(float).tiny))
-        surfaces = self.automaton.tables.surfaces if self.line is None else self.line[None]
+        # least unit of a coordinate of the origin, relative to its size in the whole motion
+        self.unit = np.maximum(np.abs(self.origin), np.maximum(1e-6 * self.size, np.finfo(float).tiny))
+        surfaces = self.automaton.tables.surfaces
         values = np.abs(surfaces[:, :-1] @ self.origin + surfaces[:, -1])
         met = values <= flow_planar.ROUNDING * (np.abs(surfaces[:, :-1]) @ self.size + np.abs(surfaces[:, -1]))
         n = self.origin.size
         rows, tied, free = np.empty((3, n), dtype=np.int64)
         directions = np.empty((n, n))
-        d = kernels.lay(surfaces, met | (self.line is not None), self.unit, rows, tied, free, directions)
+        d = kernels.lay(surfaces, met, self.unit, rows, tied, free, directions)
         self.dimension, self.free, self.directions = d, free[:d], directions[:, :d]
-        self.rows, self.tied = rows[: n - d], tied[: n - d]
 
     def state(self, place: np.ndarray) -> np.ndarray:
         """Return the state (n) at y = ``place`` (d)."""
@@ -134,7 +128,7 @@ class Section:
                 motion = follow(
                     self.automaton, here, PATIENCE * self.longest,
                     mode=self.key[1], stop=self.key, max_events=kernels.LONGEST,
-                    budget=self.budget or Budget(_MOST_WORK),
+                    budget=Budget(_MOST_WORK),
                 )  # fmt: skip
             except EngineError:
                 return None
@@ -151,40 +145,6 @@ class Section:
         with np.errstate(over="ignore", invalid="ignore"):
             matrix = (total.matrix @ self.directions)[self.free] / unit
             return Derivative(matrix, (total.rounding @ np.abs(self.directions))[self.free] / unit)
-
-
-def lines(automaton: Automaton) -> dict[tuple[int, int], np.ndarray]:
-    """Return the line of two states on which the events of a kind (key: kind, mode after) end, as a row (3).
-
-    Events that end in rest or release the screw are left out: from rest there is one way only.
-    """
-    tables, found = automaton.tables, {}
-    for mode in np.flatnonzero(~np.isin(automaton.codes, automaton.rest_codes)):
-        for guard in range(tables.guard_start[mode], tables.guard_start[mode + 1]):
-            transition = tables.guard_transition[guard]
-            for branch in range(tables.branch_start[transition], tables.branch_start[transition + 1]):
-                kind, after = int(tables.branch_kind[branch]), int(tables.branch_mode[branch])
-                if automaton.codes[after] in automaton.rest_codes or kind in automaton.release_kinds:
-                    continue
-                row = tables.surfaces[tables.guard_surface[guard]]
-                if tables.transition_reset[transition] >= 0:  # a seizure ends on θ′ = 0
-                    reset = tables.resets[tables.transition_reset[transition]]
-                    row = np.array([-reset[1, 0], 1.0, -reset[1, 2]])
-                found[kind, after] = row
-    return found
-
-
-def nearest_to_origin(line: np.ndarray) -> np.ndarray | None:
-    """Return the point (2) of a line, a row (3), that lies next to the origin; None if a double cannot hold it.
-
-    It is formed from the row times a power of two, which changes no digit, and no square underflows.
-    """
-    if not line[:2].any():
-        return None
-    with np.errstate(over="ignore", invalid="ignore"):  # what is beyond all numbers
-        row = np.ldexp(line, -np.frexp(np.abs(line[:2]).max())[1])
-        point = -row[2] * row[:2] / (row[:2] @ row[:2])
-    return point if np.isfinite(point).all() else None
 
 
 def solve(section: Section) -> tuple[Motion, float] | None:
