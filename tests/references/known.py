@@ -34,10 +34,6 @@ BASINS = {  # scene: what bounds the basin, drive
         "touching_motion",
         Drive(mass=17.5, support_damping=1.4e-4, translation_damping=1500, axial_force=-1.9, friction_coefficient=0.26),
     ),
-    "as before, globally stable": (
-        "none",
-        Drive(mass=13.8, support_damping=1.7e-3, translation_damping=2e4, axial_force=-12, friction_coefficient=0.19),
-    ),
     "overdamped": ("none", PARADOX.replace(support_damping=1e-2, axial_force=-20)),
     "overdamped, touching slip": ("touching_slip", PARADOX.replace(support_damping=1e-2, axial_force=-1)),
     "force with the motion, no seizure": ("none", Drive(mass=10, support_damping=1e-4, axial_force=20)),

@@ -208,22 +208,21 @@ def _in_paradox(drive: Drive, c: Coefficients) -> tuple[Boundary, list[Curve]]:
     ended = trace.automaton.codes[trace.end_mode] == BEGINNING
     if trace.before[0, 1] != drive.input_speed:  # The motion comes from Q = 0.
         return Boundary.TOUCHING_MOTION, [[arcs[-1], Segment(end, arcs[-1].start)]]
+    if c.q_row[1] <= 0:
+        raise InputError(
+            f"translation_damping = {drive.translation_damping:g} is not below support_damping * mass / screw_inertia, "
+            "so that seizures lead into backward slip; the basin of such a drive is not covered."
+        )
     _require_rest_in_basin(drive, c, float(trace.before[0, 0]))
-    if ended and c.q_row[1] > 0 and trace.before[-1, 1] == drive.input_speed and trace.end_state[0] < touch[0]:
+    if ended and trace.before[-1, 1] == drive.input_speed and trace.end_state[0] < touch[0]:
         raise InputError(
             f"support_damping = {drive.support_damping:g} is so large that doubles do not determine where slip from "
             "screw speed 0 comes from; the basin of such a drive is not covered."
         )
-    if c.q_row[1] == 0:
-        return Boundary.NONE, []
     if not ended:
         arcs = _wind_up(drive, back, start, mode)
         if not arcs:
             return Boundary.NONE, []
-    if c.q_row[1] < 0:
-        raise EngineError(
-            "seizures on the boundary of the basin end backward slip, which should be impossible; please report it."
-        )
     return (Boundary.TOUCHING_SLIP if ended else Boundary.CYCLE), [_with_seizures(arcs[-1], c)]
 
 

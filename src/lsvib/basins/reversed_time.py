@@ -7,9 +7,8 @@ end in the same state. The one that is followed back here is the one that comes 
 Γ₊ > 0: contact reversals and reversals of the screw, each a change of mode at the same state. A motion backwards never
 meets rest, because rest is left in a single state.
 Γ₊ ≤ 0: slip under law −1 forward that began at θ′ = 0, at u, is traced to the seizure that ended there: to the state of
-Q = 0 with the same u. With q_w > 0 that state has θ′ > 0 and ends another forward slip. With q_w < 0 it has θ′ < 0 and
-ends a backward slip, which began at θ′ = 0 after a seizure that is traced in the same way. The trace ends (mode
-``beginning``) where no motion arrives: on Q = 0 from the wrong side.
+Q = 0 with the same u. With q_w > 0 that state has θ′ > 0 and ends another forward slip; with q_w ≤ 0 it is not traced.
+The trace ends (mode ``beginning``) where no motion arrives: on Q = 0 from the wrong side.
 """
 
 from dataclasses import replace
@@ -50,8 +49,9 @@ def backward_automaton(drive: Drive, touch: arb | None = None) -> Automaton:
     }
     modes, named = {}, {signs: mode.name for mode, signs in _SIGNS.items()}
     transitions = _seizures(c.q_row, touch) if c.paradox else {}
-    for code in forward.codes[forward.codes != MotionMode.REST]:
-        mode = MotionMode(int(code))
+    for mode in (MotionMode(int(code)) for code in forward.codes):
+        if mode == MotionMode.REST or (c.paradox and mode != MotionMode.SLIP_FORWARD_NEGATIVE):
+            continue
         direction, q_sign = _SIGNS[mode]
         law = direction * q_sign
         with many_digits():
@@ -104,20 +104,12 @@ def backward_under_law(drive: Drive) -> Automaton:
 
 def _seizures(q_row, touch: arb) -> dict[str, Transition]:
     """Transitions for Γ₊ ≤ 0: from θ′ = 0 to the state of Q = 0 in which the seizure began."""
-    q_u, q_w, q_0 = q_row
-    forward, backward = MotionMode.SLIP_FORWARD_NEGATIVE.name, MotionMode.SLIP_BACKWARD_POSITIVE.name
+    (q_u, q_w, q_0), forward = q_row, MotionMode.SLIP_FORWARD_NEGATIVE.name
     nothing = Branch("beginning", Event.SEIZURE)
-    if q_w == 0:  # every seizure ends in the corner, in rest
-        ends = Transition((nothing,))
-        return {"nothing": ends, f"stand_{forward}": ends, f"stand_{backward}": ends}
+    if q_w <= 0:
+        return dict.fromkeys(("nothing", f"stand_{forward}"), Transition((nothing,)))
     with many_digits():
         reset = ((1, 0, 0), (q_u / q_w, 0, q_0 / q_w))
         # Q = 0 is arrived at from inside beyond the point of touching only.
-        ended_forward = Branch(forward, Event.SEIZURE, (((-q_w, 0, q_w * touch), Test.POSITIVE),))
-    ended_backward = Branch(backward, Event.SEIZURE)
-    into_forward_slip = (ended_forward, nothing) if q_w > 0 else (ended_backward,)
-    return {
-        "nothing": Transition((nothing,)),
-        f"stand_{forward}": Transition(into_forward_slip, reset=reset),
-        f"stand_{backward}": Transition((ended_forward, nothing), reset=reset),
-    }
+        ended = Branch(forward, Event.SEIZURE, (((-q_w, 0, q_w * touch), Test.POSITIVE),))
+    return {"nothing": Transition((nothing,)), f"stand_{forward}": Transition((ended, nothing), reset=reset)}
