@@ -13,7 +13,6 @@ _GROUPS = {
     "Simulation": ["simulate", "Scene"],
     "Stability and thresholds": [
         "StabilityReport",
-        "UndampedStability",
         "Condition",
         "Quantity",
         "Threshold",

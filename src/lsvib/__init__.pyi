@@ -26,6 +26,5 @@ from .results import Quantity as Quantity
 from .results import StabilityReport as StabilityReport
 from .results import Threshold as Threshold
 from .results import ThresholdSolution as ThresholdSolution
-from .results import UndampedStability as UndampedStability
 
 __version__: str

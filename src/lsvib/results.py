@@ -28,18 +28,6 @@ class Condition:
 
 
 @dataclass(frozen=True)
-class UndampedStability:
-    """What is known of the stability of the same drive without any damping (support, eqs 8.29–8.32).
-
-    ``kind`` of steady sliding; ``conditions`` and ``quantities`` by name.
-    """
-
-    kind: str
-    conditions: Mapping[str, Condition]
-    quantities: Mapping[str, Quantity]
-
-
-@dataclass(frozen=True)
 class StabilityReport:
     """Linear stability of steady sliding (eqs 8.18–8.21 of the rigid drive).
 
@@ -48,7 +36,7 @@ class StabilityReport:
     instability by name: steady sliding is unstable exactly if one holds; ``quantities`` by name, each with its unit: of
     the rigid drive the effective inertia [kg m²] and damping [N m s/rad] of both laws and the steady deflection [rad];
     ``characteristic_polynomial``, of s [1/s], highest power first; ``paradox_region``, whether Γ₊ ≤ 0 (rigid drive
-    only, else None); ``without_damping`` (support only, else None).
+    only, else None).
     """
 
     parts: tuple[str, ...]
@@ -60,7 +48,6 @@ class StabilityReport:
     quantities: Mapping[str, Quantity]
     characteristic_polynomial: tuple[float, ...]
     paradox_region: bool | None = None
-    without_damping: UndampedStability | None = None
 
     def to_json(self) -> dict[str, Any]:
         """Return the report as plain numbers and names; an eigenvalue has a ``real`` and an ``imaginary`` part."""
@@ -73,17 +60,10 @@ class StabilityReport:
         yield f"steady sliding is {verdict}{'' if kind == verdict else f' ({kind})'}"
         for value in self.eigenvalues:
             yield f"  eigenvalue {value.real:.10g}{f' {value.imag:+.10g}i' if value.imag else ''} 1/s"
-        yield from _quantities_and_conditions(self)
-        if self.without_damping is not None:
-            yield f"without any damping: {words.plain(self.without_damping.kind)}"
-            yield from _quantities_and_conditions(self.without_damping)
-
-
-def _quantities_and_conditions(of: StabilityReport | UndampedStability) -> Iterator[str]:
-    for key, found in of.quantities.items():
-        yield f"  {key}: {words.quantity(found.value, found.unit)}"
-    for key, condition in of.conditions.items():
-        yield f"  condition {key}: {'holds' if condition.hold else 'does not hold'}"
+        for key, found in self.quantities.items():
+            yield f"  {key}: {words.quantity(found.value, found.unit)}"
+        for key, condition in self.conditions.items():
+            yield f"  condition {key}: {'holds' if condition.hold else 'does not hold'}"
 
 
 @dataclass(frozen=True)

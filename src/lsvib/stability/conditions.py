@@ -12,21 +12,19 @@ coefficients
 import math
 from typing import Any
 
-from flint import arb, fmpq, fmpq_poly
+from flint import fmpq, fmpq_poly
 
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.models import friction, mechanics
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import Coefficients, LinearParts
-from lsvib.results import Condition, Quantity, StabilityReport, UndampedStability
+from lsvib.results import Condition, Quantity, StabilityReport
 from lsvib.stability.boundaries import place_values, stable_set
 from lsvib.stability.spectrum import (
     Polynomial,
     enclosed,
-    margins,
     parts_of,
     polynomial,
-    positive_roots,
     spectrum,
     steady_law,
 )
@@ -99,9 +97,8 @@ def stability(drive: Drive) -> StabilityReport:
     The class is that of :func:`~lsvib.stability.spectrum.spectrum`. Of the rigid drive (eqs 8.18–8.21) the conditions
     are those of :func:`conditions`; with a negative effective inertia steady sliding is unstable by Lemma 8.1, whatever
     its eigenvalues. Of the others (Sects 5.5, 5.6, 5.8 and their combinations) ``divergence`` holds if a real
-    eigenvalue is positive, ``flutter`` if a complex pair grows, and the other conditions say why. What the chapter says
-    of the undamped drive with axial support (eqs 8.23–8.32) stands apart, under ``without_damping``. Raises
-    ``InputError`` for a contact that carries no force.
+    eigenvalue is positive, ``flutter`` if a complex pair grows, and the other conditions say why. Raises ``InputError``
+    for a contact that carries no force.
     """
     law = steady_law(drive)
     kind, values, polynomial = spectrum(drive, law)
@@ -177,8 +174,7 @@ def _of_parts(drive: Drive, law: int, polynomial: Polynomial, values: list[compl
     if drive.parts == ("threads",):
         conditions["contact_flutter"], more = _of_threads(drive, values)
         quantities |= more
-    undamped = _undamped(drive, law) if drive.parts == ("support",) else None
-    return {"conditions": conditions, "quantities": quantities, "without_damping": undamped}
+    return {"conditions": conditions, "quantities": quantities}
 
 
 def _of_threads(drive: Drive, values: list[complex]) -> tuple[Condition, dict[str, Quantity]]:
@@ -195,25 +191,3 @@ def _of_threads(drive: Drive, values: list[complex]) -> tuple[Condition, dict[st
         "least_contact_damping": _quantity(least, "N s m-1"),
         "least_damping_of_stiff_contact": _quantity(least_damping_of_stiff_contact(drive), "N s m-1"),
     }
-
-
-def _undamped(drive: Drive, law: int) -> UndampedStability:
-    """Of a drive with axial support (Sect. 5.6) without any damping: mode coupling and divergence (8.24 to 8.29)."""
-    undamped = drive.replace(support_damping=0.0, translation_damping=0.0, axial_support_damping=0.0)
-    kind, _, polynomial = spectrum(undamped, law, level=True)
-    a_4, minus_a_2, discriminant = margins(polynomial, neutral=True)
-    values, tangent = enclosed(undamped)[0]
-    parts = LinearParts.of({**values, "support_stiffness": fmpq_poly([0, 1])}, law, tangent).level()
-    between = positive_roots(margins(parts.polynomial(), neutral=True)[-1], fmpq(10) ** 400)  # both branches, or none
-    lower, upper = map(arb, between) if between else (None, None)
-    return UndampedStability(
-        kind=kind,
-        conditions={
-            "divergence": _condition(positive_a_4=a_4, positive_a_2=-minus_a_2),
-            "mode_coupling": _condition(negative_discriminant=-discriminant),
-        },
-        quantities={
-            "lower_flutter_stiffness": _quantity(lower, "N m-1"),
-            "upper_flutter_stiffness": _quantity(upper, "N m-1"),
-        },
-    )
