@@ -27,10 +27,7 @@ from lsvib.models.mechanism import seated_state
 from lsvib.models.model import model_of
 from lsvib.models.names import BODIES
 
-_HALVINGS = 60  # of a bracket in which Newton's method fails: to the last bit
 _SAME = 1e-7  # Two cycles of one stability that differ by less, relatively, are the same cycle.
-_WORK_OF_LINES = 4_000_000  # in events, on all lines: a minute under a friction law
-_ROUNDED = 1e-12  # of P(y) − y under a law, in sizes of a swing of the screw
 
 
 @dataclass(frozen=True)
