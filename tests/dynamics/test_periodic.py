@@ -237,38 +237,6 @@ def test_with_seizures_the_order_is_one_but_for_a_logarithm(drive):
     assert second == pytest.approx(first, rel=0.02)
 
 
-REACHED = [  # periods of cycles of which one attracts one start of 15, 60 and 4 in the space of four states
-    ({
-        "pitch_radius": 0.0077372, "lead_angle": 0.32723, "screw_inertia": 1.96e-05, "mass": 0.19556,
-        "coupling_stiffness": 0.42984, "support_damping": 0.00076614, "input_speed": 1.1331,
-        "axial_force": -3.5035, "friction_coefficient": 0.13819, "stribeck_rise": 0.052361,
-        "stribeck_speed": 0.006037, "stribeck_exponent": 2, "nut_inertia": 5.1836e-06, "nut_stiffness": 0.47936,
-        "nut_damping": 2.922e-05,
-    }, [0.02599235749, 0.0896118226]),
-    ({
-        "pitch_radius": 0.0067472, "lead_angle": 0.10527, "screw_inertia": 1.2726e-06, "mass": 0.40191,
-        "coupling_stiffness": 20.455, "support_damping": 4.7611e-05, "translation_damping": 2.8889,
-        "input_speed": 33.894, "axial_force": 78.865, "friction_coefficient": 0.27626, "stribeck_rise": 0.044039,
-        "stribeck_speed": 0.0050492, "nut_inertia": 2.3612e-06, "nut_stiffness": 0.34526,
-        "nut_damping": 5.1609e-05,
-    }, [0.001321781962]),
-    ({
-        "pitch_radius": 0.007888, "lead_angle": 0.13605, "screw_inertia": 3.415e-06, "mass": 0.26967,
-        "coupling_stiffness": 15.244, "support_damping": 0.00045531, "translation_damping": 44.39,
-        "input_speed": 14.697, "axial_force": -273.15, "friction_coefficient": 0.1102,
-        "static_friction_coefficient": 0.19288, "motor_inertia": 5.6077e-06, "integral_gain": 1.4759,
-        "speed_gain": 0.00014119, "coupling_damping": 6.6383e-05,
-    }, [0.002528219655, 0.04331517736]),
-]  # fmt: skip
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("values", "periods"), REACHED)
-def test_attracting_cycles_of_drives_with_parts_are_found(values, periods):
-    found = lsvib.Drive(**values).cycles()
-    assert sorted(cycle.period for cycle in found.cycles if cycle.attracting) == pytest.approx(periods, rel=1e-8)
-
-
 THREADS = threads_drive(REPELLING_SLIP, contact_stiffness=1e8, contact_damping=1e5)
 SUPPORT = support_drive(REPELLING_SLIP, support_stiffness=1e8, axial_support_damping=1e4)
 NUT = nut_drive(REPELLING_SLIP, nut_inertia=1e-2, nut_stiffness=1e4, nut_damping=1.0)

@@ -4,12 +4,10 @@ import numpy as np
 import pytest
 from references.drives import catalogue_drive
 
-from lsvib.dynamics.sweep import all_endings, ending_of
 from lsvib.engine.exact.modal_form import linear_mode, modal_flow
 from lsvib.engine.kernels import event_loop
 from lsvib.engine.kernels.layout import A0, A1, BETA, ModalFlow
 from lsvib.models.many import ManyDrives, groups
-from lsvib.models.mechanism import standing_state
 from lsvib.models.model import automaton_of
 
 DRIVES = 40
@@ -53,17 +51,6 @@ def test_tables_are_those_of_each_drive(monkeypatch, kind):
                 event_loop.advance(flow, mode, state, time, moved)
                 event_loop.advance(true, mode, state, time, right)
                 assert (np.abs(moved - right) <= 2e-12 * np.maximum(np.abs(right), np.abs(state))).all()
-
-
-@pytest.mark.parametrize("kind", ["threads", "support", "nut"])
-def test_what_motions_end_on_is_what_they_end_on_by_the_tables_of_each_drive(kind):
-    drives, _, many = drawn(kind)
-    together = all_endings(many, None)
-    for k, drive in enumerate(drives[:15]):
-        right = ending_of(drive, automaton_of(drive), standing_state(drive))
-        quick, right = tuple(together[k]), tuple(right)
-        assert quick[:2] == right[:2]
-        np.testing.assert_allclose(quick[2:], right[2:], rtol=1e-9, atol=1e-9, err_msg=repr(drive))
 
 
 def test_forms_that_do_not_hold_are_given_up():

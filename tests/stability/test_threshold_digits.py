@@ -4,15 +4,13 @@ Reference values and derivatives, by differences, have 40 digits (``references/t
 cycles end at the force of global stability (docs/basin.md), one with rest and one without, where the map of seizures
 has the slope 1.
 
-A statement on one side of a threshold of the axial force is judged by the events of motions that the engine follows:
-
-* stick: slip that starts where θ′ = 0 is touched, the end of rest, comes back to θ′ = 0 within a turn, or never;
-* detach: slip from the end of rest reaches N = 0 first, or θ′ = 0 with rest;
-* global stability: motions from all over the plane, from the end of rest and from the cycle without rest settle, or one
-  of them does not.
+What the forces divide the motions of charts show (``datasets/test_charts.py``); of global stability it is asked here,
+too, up to 1e-9 beside it: motions from all over the plane, from the end of rest and from the cycle without rest settle,
+or one of them does not.
 """
 
 import math
+from contextlib import suppress
 from functools import partial
 
 import numpy as np
@@ -28,8 +26,7 @@ from lsvib.basins.boundary import Boundary, basin
 from lsvib.dynamics.attractor import Attractor, steady_state
 from lsvib.engine.kernels.layout import Status
 from lsvib.engine.motion import follow
-from lsvib.errors import DivergenceError, EngineError, InputError, NoThreshold
-from lsvib.models.mechanics import coefficients
+from lsvib.errors import EngineError, InputError, NoThreshold
 from lsvib.models.names import Event
 from lsvib.models.rigid import rigid_automaton
 from lsvib.stability.force_thresholds import threshold_force, widest_return
@@ -235,104 +232,23 @@ def test_none_is_globally_unstable_where_every_force_against_the_motion_is_stabl
     assert all(basin(drive.replace(axial_force=-r)).boundary == Boundary.NONE for r in (1e-6, 1e-3, 1.0, 1e3))
 
 
-DISTANCES = [10.0**-n for n in range(1, 10)]  # relative, of the forces beside a threshold
-STANDS = (Event.STICK, Event.REVERSAL)
-
-
-def wide_drive_of(rng, kind: str) -> Drive:
-    """Draw a drive: ``any``; or with Γ₊ > 0 > C₊ (``damped``) or Γ₊ < 0 (``paradox``), at any distance from zero."""
+def wide_drive(rng) -> Drive:
+    """Draw a drive with Γ₊ < 0 at any distance from zero."""
     while True:
         values = {key: value for key, value in rigid_values(rng).items() if key != "axial_force"}
         lead = values["lead_angle"]
-        if kind != "any":
-            tan, mu = math.tan(lead), values["friction_coefficient"]
-            arm, damping = values["pitch_radius"] ** 2 * tan, values["translation_damping"]
-            plus, minus = ((mu - tan) / (1 + mu * tan), (mu + tan) / (1 - mu * tan))
-            away = decades(rng, -4, 2) if kind == "damped" else -decades(rng, -4, 0)
-            values["screw_inertia"] = plus * arm * values["mass"] * (1 + away)
-            if kind == "damped":
-                share = plus * arm * damping / (1 + values["support_damping"])
-                values["support_damping"] *= rng.random() < 0.8 and share
-            # Damping ratios from weak to overdamped.
-            law = plus if kind == "damped" else -minus
-            inertia = values["screw_inertia"] - law * arm * values["mass"]
-            damping = abs(values["support_damping"] - law * arm * damping)
-            values["coupling_stiffness"] = (damping / decades(rng, -3, 1)) ** 2 / inertia if inertia > 0 else 0.0
+        tan, mu = math.tan(lead), values["friction_coefficient"]
+        arm, damping = values["pitch_radius"] ** 2 * tan, values["translation_damping"]
+        plus, minus = ((mu - tan) / (1 + mu * tan), (mu + tan) / (1 - mu * tan))
+        values["screw_inertia"] = plus * arm * values["mass"] * (1 - decades(rng, -4, 0))
+        # Damping ratios from weak to overdamped.
+        inertia = values["screw_inertia"] + minus * arm * values["mass"]
+        damping = abs(values["support_damping"] + minus * arm * damping)
+        values["coupling_stiffness"] = (damping / decades(rng, -3, 1)) ** 2 / inertia if inertia > 0 else 0.0
         try:
             return Drive.of(values)
         except InputError:
             continue
-
-
-def forward(drive: Drive) -> tuple[SlipDrive, float]:
-    return SlipDrive.of(drive), math.copysign(1.0, drive.input_speed)
-
-
-def beside(rng, threshold: float, onset: float):
-    """Yield (side, R) near and far from a threshold beyond the onset, all for Ω > 0."""
-    for distance in DISTANCES:
-        yield -1, threshold - abs(threshold) * distance
-        yield 1, threshold + abs(threshold) * distance
-    for share in (0.5, 0.1, rng.random()):
-        yield -1, onset + (threshold - onset) * share
-    for factor in (2.0, 10.0, decades(rng, 0, 4)):
-        yield 1, onset + (threshold - onset) * factor
-
-
-def events(drive: Drive, force: float, start, count: int) -> list[Event]:
-    """The first events of a motion at a force, without the releases from rest that it begins with."""
-    try:
-        kinds = [Event(int(k)) for k in follow(changed(drive, force), start, math.inf, max_events=count).kind]
-    except DivergenceError:
-        return []
-    while kinds and kinds[0] == Event.RELEASE:
-        kinds = kinds[1:]
-    return kinds
-
-
-def changed(drive, force):
-    return rigid_automaton(drive.replace(axial_force=force))
-
-
-def judge_onset(rng, drive):
-    onset = threshold_force(drive, "onset")
-    for side, force in beside(rng, abs(onset), 0.0):
-        c = coefficients(drive.replace(axial_force=math.copysign(force, onset)))
-        assert (c.damping[c.steady_law] > 0) == (side < 0)
-
-
-def end_of_rest(drive: Drive) -> tuple[float, float]:
-    """State in which rest ends and slip under law + begins: θ′ = 0, without acceleration."""
-    made, sign = forward(drive)
-    return sign * float(made.damping[1] * made.speed / made.stiffness), -drive.input_speed
-
-
-def slips_beside(rng, drive: Drive, threshold: float, count: int):
-    """Yield (side, |R|, first events of slip from the end of rest) for forces beside a threshold beyond the onset."""
-    onset, sign = threshold_force(drive, "onset"), forward(drive)[1]
-    assert sign * threshold > sign * onset
-    for side, force in beside(rng, sign * threshold, sign * onset):
-        if sign * onset < force < 1e12 and force != sign * threshold:
-            yield side, force, events(drive, sign * force, end_of_rest(drive), count)
-
-
-def judge_stick(rng, drive):
-    """The cycle is unique and what is inside of it winds outwards to it, what is outside inwards."""
-    for side, force, kinds in slips_beside(rng, drive, threshold_force(drive, "stick"), 30):
-        if Event.GRAZE in kinds:  # a turn grows by less than rounding
-            continue
-        if side > 0:
-            assert any(kind in STANDS for kind in kinds[:3]), force
-        else:
-            assert not any(kind in STANDS for kind in kinds), force
-
-
-def judge_detach(rng, drive):
-    for side, force, kinds in slips_beside(rng, drive, threshold_force(drive, "detach"), 6):
-        if side > 0:
-            assert kinds[:2] == [Event.STICK, Event.RELEASE], force
-        else:
-            assert kinds[0] == Event.CONTACT_REVERSAL, force
 
 
 def starts(rng, made: SlipDrive, force: float, count: int):
@@ -359,7 +275,7 @@ def settles(drive, force, start, made, sign, count=20_000) -> bool | None:
     moves left until it rests; so does slip that seizes while u falls; other slip moves right, to smaller turns.
     """
     try:
-        motion = follow(changed(drive, force), start, math.inf, max_events=count)
+        motion = follow(rigid_automaton(drive.replace(axial_force=force)), start, math.inf, max_events=count)
     except EngineError:
         return None
     if motion.status == Status.SETTLED:
@@ -372,11 +288,11 @@ def settles(drive, force, start, made, sign, count=20_000) -> bool | None:
 
 
 def judge_global(rng, drive):
-    made, sign = forward(drive)
+    made, sign = SlipDrive.of(drive), math.copysign(1.0, drive.input_speed)
     threshold = sign * threshold_force(drive, "global_stability")
     onset = float(made.onset)
     assert threshold < onset or onset == 0 > threshold
-    below = [(side, force) for side, force in beside(rng, threshold, threshold)][:18]
+    below = [(side, threshold + side * abs(threshold) * 10.0**-n) for n in range(1, 10) for side in (-1, 1)]
     below += [(-1, onset - (onset - threshold) * factor) for factor in (2.0, 10.0)]
     below += [(1, onset - (onset - threshold) * share) for share in (0.5, 0.01, rng.random())]
     for side, force in below:
@@ -389,19 +305,12 @@ def judge_global(rng, drive):
             assert False in found, force
 
 
-JUDGES = {"onset": judge_onset, "stick": judge_stick, "detach": judge_detach, "global_stability": judge_global}
-
-
-@pytest.mark.parametrize("kind", ["any", "damped", "paradox"])
-def test_thresholds_of_random_drives(kind):
-    rng, judged = np.random.default_rng(11), set()
-    for _ in range(5):
-        drive = wide_drive_of(rng, kind)
-        for name, judge in JUDGES.items():
-            try:
-                threshold_force(drive, name)
-            except NoThreshold:
-                continue
-            judge(rng, drive)
-            judged.add(name)
-    assert judged
+def test_global_stability_of_random_drives():
+    rng, judged = np.random.default_rng(11), 0
+    for _ in range(12):
+        drive = wide_drive(rng)
+        with suppress(NoThreshold):
+            threshold_force(drive, "global_stability")
+            judge_global(rng, drive)
+            judged += 1
+    assert judged > 3
