@@ -134,8 +134,6 @@ def test_nothing_and_everything_is_tolerated():
         assert (stable.angle, stable.speed, stable.energy, stable.fraction) == (math.inf,) * 3 + (1.0,)
         assert json.loads(json.dumps(stable.to_json(), allow_nan=False))["energy"] is None
 
-
-def test_nothing_is_tolerated_where_steady_sliding_is_neutral():
     found = lsvib.Drive(support_damping=0, axial_force=-10).resilience(WINDOW)
     assert (found.boundary, found.energy, found.fraction) == ("neutral", 0, 0)
     assert lsvib.Drive(mass=11, axial_force=10).resilience().boundary == "unstable"
