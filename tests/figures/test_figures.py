@@ -308,7 +308,7 @@ def _observing_wrongly(assemble):
     return wrong
 
 
-LONG = {("measured_drive", "N"), *(("fig8_13", name) for name in "ΓNC")}  # each takes a second or two
+LONG = {("measured_drive", "N")}  # each takes a second or two
 
 
 def _by_hand(figure, name):
