@@ -197,6 +197,7 @@ def test_origin_says_which_values_are_printed():
     assert origin_of("mass", [10.0, 11.0], ["Fig. 8.14"]) == f"{ASSUMED}, except 10 (printed: Fig. 8.14)"
     assert origin_of("mass", [10.0, 11.0], ["Sect. 8.6.1"]) == "printed: Sect. 8.6.1"
     assert origin_of("mass", 1.0) == ASSUMED
+    assert dataset_of("fig8_14").support_damping.origin == "printed: Fig. 8.14"  # not as its map, which knows no place
 
 
 @pytest.mark.parametrize(("figure", "case"), [("fig8_04", 0), ("fig8_05", 0), ("fig8_06", 1)])
