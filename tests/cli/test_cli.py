@@ -22,7 +22,7 @@ from lsvib.datasets.io import read_dataset
 from lsvib.engine.motion import follow
 from lsvib.errors import LsvibError
 from lsvib.figures.build import compute_figure
-from lsvib.figures.configuration import DEFAULT, check, standard_settings
+from lsvib.figures.configuration import DEFAULT, checked, standard_settings
 from lsvib.files import check_outputs, replacing, uninterrupted
 from lsvib.models.pairings import PAIRINGS
 from lsvib.models.rigid import rigid_automaton
@@ -250,4 +250,4 @@ def test_a_full_or_closed_standard_output_ends_in_one_sentence():
 
 def test_the_settings_of_the_package_are_those_of_the_repository():
     assert DEFAULT.read_bytes() == CONFIG.read_bytes()
-    check(read_yaml(DEFAULT))
+    checked(read_yaml(DEFAULT))

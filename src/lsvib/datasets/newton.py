@@ -88,13 +88,6 @@ def parameters(dataset: xr.Dataset) -> dict[str, float]:
     return {name: float(dataset[name]) for name in Drive.model_fields if name in dataset and not dataset[name].ndim}
 
 
-def effective(p: Mapping[str, float], law: int) -> tuple[float, float]:
-    """Return Γ_s [kg m²] and C_s [N m s/rad] as the equations of screw and nut have them; ``p``: parameters."""
-    field, *_ = _equations(p, law, False)
-    inertia = -p["coupling_stiffness"] / field[1, 0]
-    return inertia, -field[1, 1] * inertia
-
-
 def touching_force(p: Mapping[str, float], law: int) -> Any:
     """Return the axial force [N] at which the slip that follows rest, under the law of steady sliding, touches N = 0.
 
