@@ -11,7 +11,7 @@ from lsvib.datasets.attributes import axis, drive_parameters, start_state, varia
 from lsvib.datasets.checks import Check
 from lsvib.errors import InputError
 from lsvib.figures import style
-from lsvib.figures.common import about, flag_names, named
+from lsvib.figures.common import about, named
 from lsvib.figures.settings import DriveFigure, Span, State, Values
 from lsvib.models.drive import Drive
 from lsvib.models.names import RULES
@@ -20,8 +20,8 @@ from lsvib.numbers import bisected
 
 CAPTION = """\
 Sprag–slip cycle over the support damping c: (a) amplitude, (b) mean deflection of the coupling and (c) mean contact
-force; not in the chapter, (d) to (f) the same for small c, where the two rules of resuming after a seizure part. The
-impulses of the seizures are part of the mean force.
+force, with the part of it that comes from the impulses of the seizures. Both rules of resuming after a seizure give
+these lines; they part below the damping at which the screw begins to rest, 31 × 10⁻⁶ N m s/rad.
 """
 
 _QUANTITIES = {
@@ -32,10 +32,6 @@ _QUANTITIES = {
     "mean_axial_contact_force": ("N", "mean axial contact force, impulses included", ""),
     "mean_contact_torque": ("N m", "mean contact torque on the screw, impulses included", ""),
     "mean_coupling_torque": ("N m", "mean coupling torque less the mean damping torque", ""),
-}
-_RULES = {
-    "contact sign": (style.BLUE, "-", "resumes by the sign of the contact force"),
-    "at once": (style.ORANGE, (0, (4, 2)), "resumes at once, as in the chapter"),
 }
 _PANELS = (  # variable, title, word on the axis
     ("amplitude", "amplitude", "amplitude of $u$"),
@@ -52,14 +48,14 @@ class Settings(DriveFigure):
 
 
 def build(settings: Values) -> xr.Dataset:
-    """Compute the cycle's amplitude and means over the damping, under both rules; closer where the rules differ."""
+    """Compute the cycle's amplitude and means over the damping, under both rules; closer where they differ."""
     from lsvib.dynamics.impulses import mean_load
 
     drive, start = Drive.of(settings["drive"]), settings["start"]
     wanted = spans.even(settings["support_damping"])
     limit = _resting_damping(drive, start, float(wanted.max()))
-    damping = np.unique(np.concatenate([wanted, limit * np.linspace(0, 2, 2 * (wanted.size // 8) + 1)]))
-    damping = damping[(damping >= wanted.min()) & (damping <= wanted.max())]
+    damping = np.unique(np.concatenate([wanted, limit * np.linspace(0, 1, 13)]))
+    damping = damping[damping >= wanted.min()]
     dims, resting = ("rule", "support_damping"), "damping below which the screw rests after a seizure"
     shape = len(RULES), damping.size
     values, labels = np.full((*shape, len(_QUANTITIES)), np.nan), np.empty(shape)  # NaN where there is no cycle
@@ -122,30 +118,14 @@ def checks(dataset: xr.Dataset) -> list[Check]:
 
 @style.styled
 def draw(dataset: xr.Dataset) -> style.Figure:
-    """Draw the three quantities under both rules of resuming, below close to the dampings at which they differ.
-
-    Without damping the second rule has no motion that resumes at once.
-    """
-    figure = style.new_figure(style.DOUBLE, 4.9)
-    panels, limit = figure.subplots(2, 3), float(dataset.resting_support_damping)
-    near, damped = dataset.support_damping.values <= 2 * limit, dataset.support_damping.values > 0
-    for column, (name, title, word) in enumerate(_PANELS):
-        whole, close = panels[:, column]
-        for axes, kept, scale, power, name_of in (
-            (whole, np.full(damped.size, True), 1e3, "⁻³", f"({'abc'[column]}) {title}"),
-            (close, near, 1e6, "⁻⁶", f"({'def'[column]}) ours: {title}, small $c$"),
-        ):
-            for index, rule in flag_names(dataset.rule).items():
-                colour, dashes, words = _RULES[rule]
-                curve = dataset.sel(rule=index).isel(support_damping=kept & damped if rule == "at once" else kept)
-                axes.plot(curve.support_damping * scale, curve[name], color=colour, linestyle=dashes, label=words)
-            style.frame(axes, name_of, f"Damping $c$ [10{power} N m s rad⁻¹]", style.label(dataset[name], word))
-            axes.set_xlim(0, float(dataset.support_damping[kept][-1]) * scale)
-            axes.locator_params(nbins=5)
-        close.axvline(limit * 1e6, color=style.BLACK, linewidth=0.8, linestyle=":",
-                      label=f"$c$ = {limit * 1e6:.3g} × 10⁻⁶ N m s rad⁻¹, below which the screw rests")  # fmt: skip
-        if name == "mean_normal_force":
-            whole.plot(dataset.support_damping * 1e3, dataset.mean_impulsive_force[0], color=style.GREY, linewidth=1.0,
-                       label="part from impulses")  # fmt: skip
-            whole.set_ylim(0, None)
-    return style.legend(figure, [panels[0, 2], panels[1, 0]], 2)
+    """Draw the three quantities under the rule of the contact sign."""
+    figure = style.new_figure(style.DOUBLE, 2.6)
+    panels, damping = figure.subplots(1, 3), dataset.support_damping * 1e3
+    panels[2].plot(damping, dataset.mean_impulsive_force[0], color=style.GREY, label="part from impulses")
+    for axes, letter, (name, title, word) in zip(panels, "abc", _PANELS, strict=True):
+        axes.plot(damping, dataset[name][0], color=style.BLUE)
+        ylabel = style.label(dataset[name], word)
+        style.frame(axes, f"({letter}) {title}", "Damping $c$ [10⁻³ N m s rad⁻¹]", ylabel, xlim=damping[[0, -1]])
+    panels[2].set_ylim(0, None)
+    panels[2].legend()
+    return figure
