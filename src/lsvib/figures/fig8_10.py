@@ -16,14 +16,12 @@ from lsvib.models.chapter import claims
 from lsvib.models.drive import Drive
 from lsvib.models.mechanism import seated_state
 from lsvib.models.model import automaton_of, model_of
-from lsvib.models.names import COORDINATES, Event
+from lsvib.models.names import COORDINATES
 
 CAPTION = """\
 Compliant threads, k_c = c_c = 10⁸ (SI): (a) phase plane beside the rigid drive's cycle; (b) contact force on a broken
-axis, its peaks in kN above and the sliding between them in N below. Not in the chapter: (c) the right edge of (a),
-where the rigid drive jumps and the compliant one seizes in finite time; (d) one of the peaks; (e) peak (left) and
-distance to the rigid cycle (right) over R, which the text does not state. The dot is the force of (a) to (d), 50 N
-assumed.
+axis, its peaks in kN above and the sliding between them in N below. Not in the chapter: (c) peak (left) and distance to
+the rigid cycle (right) over R, which the text does not state. The dot is the force of (a) and (b), 50 N assumed.
 """
 
 _PEAK = ("N", "largest normal force on the cycle", "$N$")
@@ -66,7 +64,6 @@ def build(settings: of.Values) -> xr.Dataset:
         _motion(drive, motion, samples)
         | cycle_curves((), [cycle], samples)
         | cycle_curves((), [rigid], samples, "rigid_cycle")
-        | _peak(cycle)
         | numbers
         | {
             "peak_normal_force": variable((), peak, *_PEAK),
@@ -139,26 +136,6 @@ def _motion(drive: Drive, motion: Motion, samples: int) -> Variables:
     }
 
 
-def _peak(cycle: SteadyState) -> Variables:
-    """The contact force around a peak, over time from the start of the sprag."""
-    from lsvib.engine.motion import follow
-
-    (times, force), sprag = np.full((2, 400), np.nan), np.nan
-    if cycle.label.name == "SPRAG_SLIP_CYCLE":  # else there is nothing to draw; the checks say so
-        period, automaton = cycle.orbit.end_time, cycle.orbit.automaton
-        twice = follow(automaton, cycle.state, 2 * period, mode=cycle.orbit.start_mode)
-        stick = int(np.flatnonzero((twice.kind == Event.STICK) & (twice.time > 0.5 * period))[0])
-        begin, sprag = twice.time[stick - 1], float(twice.time[stick] - twice.time[stick - 1])
-        times = begin + sprag * np.linspace(-0.3, 1.6, 400)
-        times = np.sort(np.append(times, twice.time[stick - 1 : stick + 3]))
-        force, times = automaton.observe("normal_force", *twice.at(times)), times - begin
-    return {
-        "close_up_time": variable("close_up_sample", times, "s", "time after the start of a sprag", "$t$"),
-        "close_up_normal_force": ("close_up_sample", force, quantity("normal_force")),
-        "sprag_duration": variable((), sprag, "s", "time from N = 0 until the screw stands"),
-    }
-
-
 def _cycle_values(drive: Drive, cycle: SteadyState, rigid: SteadyState) -> tuple[float, float]:
     """Largest |N| [N] on the compliant cycle, and its distance [1] from the rigid one; nan where there is none."""
     if cycle.orbit is None or rigid.orbit is None:
@@ -192,22 +169,15 @@ def checks(dataset: xr.Dataset) -> list[Check]:
 
 @style.styled
 def draw(dataset: xr.Dataset) -> style.Figure:
-    """Draw (a) the phase plane, (b) N(t) on a broken axis, (c) a seizure close up, (d) its peak, (e) what R changes.
-
-    (c) is the right edge of (a), where the screw seizes: a jump with rigid threads. (e) has the peak force, left, and
-    the distance to the rigid cycle.
-    """
-    figure = style.new_figure(style.DOUBLE, 5.6)
-    above, below = figure.subfigures(2, 1, height_ratios=(1.25, 1))
-    panels = above.subplot_mosaic([["a", "peaks"], ["a", "sliding"]], width_ratios=(1, 1.15))
-    (close, peak, over), plane = below.subplots(1, 3), panels["a"]
-    start = dataset.isel(sample=0)
+    """Draw (a) the phase plane, (b) N(t) on a broken axis, (c) peak force, left, and distance, right, over R."""
+    figure = style.new_figure(style.DOUBLE, 3.0)
+    panels = figure.subplot_mosaic([["a", "peaks", "c"], ["a", "sliding", "c"]], width_ratios=(1, 1.15, 0.9))
+    plane, over, start = panels["a"], panels["c"], dataset.isel(sample=0)
     plane.plot(dataset.angle_deviation, dataset.velocity_deviation, color=style.SKY, linewidth=0.8, label="motion")
-    for axes in (plane, close):
-        axes.plot(dataset.rigid_cycle_angle, dataset.rigid_cycle_velocity, color=style.ORANGE, linewidth=2.6,
-                  label="cycle of the rigid drive", zorder=2)  # fmt: skip
-        axes.plot(dataset.cycle_angle, dataset.cycle_velocity, color=style.BLUE, linewidth=1.0,
-                  label="cycle with compliant threads", zorder=2.1)  # fmt: skip
+    plane.plot(dataset.rigid_cycle_angle, dataset.rigid_cycle_velocity, color=style.ORANGE, linewidth=2.6,
+               label="cycle of the rigid drive", zorder=2)  # fmt: skip
+    plane.plot(dataset.cycle_angle, dataset.cycle_velocity, color=style.BLUE, linewidth=1.0,
+               label="cycle with compliant threads", zorder=2.1)  # fmt: skip
     plane.plot(start.angle_deviation, start.velocity_deviation, "o", color=style.SKY, mfc="white", label="start")
     drawing.mark_origin(plane)
     drawing.draw_stop(plane, -float(dataset.input_speed))
@@ -215,18 +185,6 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     drawing.label_axes(plane, dataset, "(a) phase plane")
     plane.locator_params(axis="x", nbins=5)
     _force(panels["peaks"], panels["sliding"], dataset)
-    if np.isfinite(dataset.cycle_angle).any():
-        speed, edge, width = (float(x) for x in (dataset.input_speed, dataset.cycle_angle.max(), dataset.amplitude))
-        close.set(xlim=(edge - 0.05 * width, edge + 0.02 * width), ylim=(-1.1 * speed, 1.1 * speed))
-    close.xaxis.set_major_formatter(lambda value, _: f"{1e3 * value:g}".replace("-", "−"))
-    close.locator_params(axis="x", nbins=4)
-    rate = style.label(dataset.velocity_deviation, "rate")
-    style.frame(close, "(c) ours: right edge of (a)", "Deviation $u$ [10⁻³ rad]", rate)
-    sprag, microseconds = float(dataset.sprag_duration) * 1e6, dataset.close_up_time * 1e6
-    peak.plot(microseconds, dataset.close_up_normal_force / 1e3, color=style.BLUE)
-    peak.axvspan(0, sprag, color=style.YELLOW, alpha=0.35, linewidth=0, label=r"sprag: $N > 0$, $\dot\theta > 0$")
-    peak.set(title="(d) ours: one peak", xlabel="Time after $N = 0$ [µs]", ylabel="$N$ [kN]", ylim=(-10, _top(dataset)))
-    peak.margins(x=0)
     printed, part = (
         dataset.printed_peak_normal_force / 1e3,
         dataset.printed_peak_normal_force.attrs["relative_tolerance"],
@@ -237,7 +195,7 @@ def draw(dataset: xr.Dataset) -> style.Figure:
               transform=over.transAxes)  # fmt: skip
     over.plot(force, dataset.swept_peak_normal_force / 1e3, color=style.BLUE)
     over.plot(dataset.axial_force, dataset.peak_normal_force / 1e3, "o", color=style.BLUE)
-    over.set(title="(e) ours: dependence on $R$", xlabel=f"Axial force {style.label(force, ' ').strip()}")
+    over.set(title="(c) ours: dependence on $R$", xlabel=f"Axial force {style.label(force, ' ').strip()}")
     over.set_ylabel("Peak of $N$ [kN]", color=style.BLUE)
     over.set_xlim(0, float(force[-1]))
     over.tick_params(axis="y", which="both", right=False)
@@ -245,7 +203,7 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     distance.plot(force, 100 * dataset.swept_orbit_distance, color=style.GREEN, linestyle="--")
     distance.set_ylabel("Distance to rigid cycle [%]", color=style.GREEN)
     distance.set_ylim(0, None)
-    return style.legend(figure, [plane, peak], 3)
+    return style.legend(figure, [plane], 3)
 
 
 def _force(peaks: style.Axes, sliding: style.Axes, dataset: xr.Dataset) -> None:
