@@ -5,13 +5,12 @@ import math
 import numpy as np
 import pytest
 import xarray as xr
-from references.drives import PARADOX, threads_drive
+from references.drives import PARADOX
 from references.figure_checks import assert_drawn_from_file, coarse, dataset_of
 
 from lsvib import Drive
 from lsvib.datasets import phase_plane
 from lsvib.datasets.io import write_dataset
-from lsvib.dynamics.attractor import orbit_extremes, steady_state
 from lsvib.dynamics.impulses import seizure_impulse
 from lsvib.engine.motion import follow
 from lsvib.figures import contact_force, fig8_07, impacts, style
@@ -102,17 +101,6 @@ def test_the_sectors_of_figure_8_7_have_the_signs_of_the_contact_force():
         else:
             expected += "no $N$"
         assert text.get_text() == expected
-
-
-VISCOUS = threads_drive(mass=11.0, axial_force=50.0)
-
-
-def test_the_peak_of_the_contact_force_is_where_the_screw_stops():
-    automaton = automaton_of(VISCOUS)
-    cycle = steady_state(automaton, seated_state(VISCOUS, 0.003, 0.0)).orbit
-    row = automaton.observables["normal_force"]
-    (stop,) = cycle.after[cycle.kind == Event.STICK]
-    assert orbit_extremes(cycle, row)[1] == pytest.approx(float(row[0, :-1] @ stop), rel=1e-12)
 
 
 def test_impulse_is_the_integral_of_the_contact_force():

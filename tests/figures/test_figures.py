@@ -309,15 +309,8 @@ def _observing_wrongly(assemble):
     return wrong
 
 
-LONG = {("measured_drive", "N")}  # each takes a second or two
-
-
-def _by_hand(figure, name):
-    return figure in NOT_IN[name] or (figure, name) in LONG
-
-
 CASES = [
-    pytest.param(figure, name, marks=pytest.mark.search if _by_hand(figure, name) else pytest.mark.slow)
+    pytest.param(figure, name, marks=pytest.mark.search if figure in NOT_IN[name] else pytest.mark.slow)
     for figure, name in product(FIGURES, QUANTITIES)
 ]
 
