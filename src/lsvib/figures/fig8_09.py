@@ -15,9 +15,7 @@ from lsvib.models.drive import Drive
 
 CAPTION = """\
 Trajectories of the rigid drive (a) below and (b) above the critical mass; triangles on the lines point forward in time.
-Below, the motion decays to steady sliding; above, it seizes (sprag) and slips for ever. Not in the chapter: (c)
-Amplitude of the cycle in (b), left, and speed of the screw at its impact, right, over the axial force, which the text
-does not state; the dot is the force of (a) and (b).
+Below, the motion decays to steady sliding; above, it seizes (sprag) and slips for ever.
 """
 
 _SWEEP = "of the last case with another axial force, from the first start"
@@ -29,7 +27,7 @@ class Settings(PhasePlane):
     unused = ("mass",)
 
     cases: several(DriveChanges, 2, 2, "Changes of `drive`, one for each panel, the one below the critical mass first.")
-    axial_force: PositiveSpan = Field(description="R [N] over which the dependence on it is shown.")
+    axial_force: PositiveSpan = Field(description="R [N] over which a check follows the cycle.")
 
 
 def _drives(settings: Values) -> list[Drive]:
@@ -87,9 +85,9 @@ def checks(dataset: xr.Dataset) -> list[Check]:
 
 @style.styled
 def draw(dataset: xr.Dataset) -> style.Figure:
-    """Draw (a) and (b) as phase planes, and (c) amplitude, left, and impact speed of (b) against the axial force."""
+    """Draw (a) and (b) as phase planes."""
     figure = style.new_figure(style.DOUBLE, 3.7)
-    *planes, last = figure.subplots(1, 3)
+    planes = figure.subplots(1, 2)
     for index, axes in enumerate(planes):
         case = dataset.isel(case=index)
         relation = "<" if float(case.mass) < float(dataset.critical_mass) else ">"
@@ -105,15 +103,4 @@ def draw(dataset: xr.Dataset) -> style.Figure:
         title = f"({'ab'[index]}) $m$ = {style.number(case.mass)} kg ${relation} m_\\mathrm{{cr}}$"
         drawing.label_axes(axes, dataset, title)
         axes.locator_params(axis="x", nbins=3)
-    force = dataset.swept_axial_force
-    last.plot(force, dataset.swept_amplitude, color=style.BLUE)
-    last.plot(dataset.axial_force, dataset.amplitude[1, 0, 0], "o", color=style.BLUE)  # the force of (b)
-    last.set(title="(c) ours: cycle of (b) over $R$", xlabel="Axial force " + style.label(force, " ").strip())
-    last.set(ylim=(0, None), xlim=(0, None))
-    last.set_ylabel(style.label(dataset.swept_amplitude, "amplitude of $u$"), color=style.BLUE)
-    last.tick_params(axis="y", which="both", right=False)
-    speed = last.twinx()
-    speed.plot(force, dataset.impact_speed, color=style.VERMILION, linestyle="--")
-    speed.set_ylabel(style.label(dataset.impact_speed, "impact speed"), color=style.VERMILION)
-    speed.set_ylim(0, -2.2 * float(dataset.stop_velocity[1]))
     return style.legend(figure, planes, 4)

@@ -30,10 +30,9 @@ CAPTION = """\
 Trajectories under a negative axial force, c = 1e-3 N m s/rad, (a) for R = −50 N and (b) for R = −10 N, as in the
 chapter, whose mass of 10 kg gives no limit cycle in (b). Not in the chapter: (c), (d) the same for m = 11 kg, beyond
 the critical mass as Sect. 8.7 assumes, where (d) has the limit cycle. Shaded are starts by the attractor of their
-motion, as the mapper of the region of attraction finds it. (e) If motion resumes at once after a seizure, as in the
-chapter, reverse slips and seizures follow each other without end in the corner of (c) and (d) in which N = 0 and θ′ = 0
-meet: their distance from it falls with the ratio c a / (k Ω + c a), so that it is reached in finite time. By the sign
-of the contact force, the limit of a stiff contact, the screw rests after three. See docs/physics.md.
+motion, as the mapper of the region of attraction finds it. If motion resumes at once after a seizure, as in the
+chapter, seizures follow each other without end in the corner of (c) and (d) in which N = 0 and θ′ = 0 meet, which is
+reached in finite time; drawn are motions that resume by the sign of the contact force. See docs/physics.md.
 """
 
 _CHANGED = ("mass", "axial_force")  # in which the cases differ
@@ -41,10 +40,6 @@ _PRINTED = ("Fig. 8.14", "Sect. 8.6")
 _DISTANCES = np.concatenate([[0.0], np.geomspace(1e-4, 2.0, 60)])  # rad; the cycles of the figure are 0.1 rad wide
 _FORCES = np.linspace(-40.0, -0.5, 80)  # N, over which the area of the basin is computed
 _ROUNDING = 16 * np.finfo(float).eps  # of the corner: a few rounding errors of u and of the line N = 0
-_RULES = {  # colour, mark, its size, words
-    "contact sign": (style.BLUE, "s", 7.0, "by the sign of the contact force"),
-    "at once": (style.ORANGE, "o", 3.5, "at once, as in the chapter"),
-}
 _STARTS = {  # colour of the starts by their attractor
     "steady sliding": ("#E4F4E8", "starts that steady sliding attracts"),
     "sprag slip cycle": ("#CCCCCC", "starts that the cycle attracts"),
@@ -313,10 +308,9 @@ def _names(labels: xr.DataArray) -> str:
 
 @style.styled
 def draw(dataset: xr.Dataset) -> style.Figure:
-    """Draw four phase planes, printed mass above, one beyond m_cr below, and how seizures approach their corners."""
-    figure = style.new_figure(style.DOUBLE, 8.4)
-    above, below = figure.subfigures(2, 1, height_ratios=(2.3, 1))
-    panels = above.subplots(2, 2, sharex=True, sharey=True).ravel()
+    """Draw four phase planes, printed mass above, one beyond m_cr below."""
+    figure = style.new_figure(style.DOUBLE, 5.9)
+    panels = figure.subplots(2, 2, sharex=True, sharey=True).ravel()
     cases = [dataset.isel(case=index) for index in range(4)]
     for axes, case, letter in zip(panels, cases, "abcd", strict=True):
         _region(axes, case)
@@ -330,11 +324,7 @@ def draw(dataset: xr.Dataset) -> style.Figure:
         drawing.draw_lines(axes, case)
         drawing.guide(axes, case)
         axes.label_outer()
-    distance = below.subplots()
-    _distances(distance, dataset)
-    style.legend(above, panels, 4, [patch for axes in panels for patch in axes.patches])
-    style.legend(below, [distance], 3)
-    return figure
+    return style.legend(figure, panels, 4, [patch for axes in panels for patch in axes.patches])
 
 
 def _region(axes: style.Axes, case: xr.Dataset) -> None:
@@ -345,21 +335,3 @@ def _region(axes: style.Axes, case: xr.Dataset) -> None:
     drawing.regions(axes, case.grid_angle_deviation, case.grid_velocity_deviation, labels.T, colours, zorder=0)
     for colour, words in (looks[names[flag]] for flag in np.unique(labels).tolist()):
         axes.fill([], [], color=colour, label=words)
-
-
-def _distances(axes: style.Axes, dataset: xr.Dataset) -> None:
-    """Distance of each seizure from the corner, for the motions of (c) and (d), with the ratio in the limit."""
-    for case, letter, place in ((2, "c", (0.62, 0.5)), (3, "d", (0.1, 0.25))):
-        part = dataset.isel(case=case)
-        for index, rule in flag_names(dataset.rule).items():
-            colour, mark, size, words = _RULES[rule]
-            found = part.sel(rule=index).seizure_distance.dropna("seizure").values
-            number = np.arange(1, found.size + 1)
-            axes.plot(number, found, mark, color=colour, markersize=size, mfc="white", label=f"motion resumes {words}")
-        ratio, middle = float(part.seizure_ratio), found.size // 2
-        axes.plot(number, found[middle] * ratio ** (number - 1 - middle), color=style.BLACK, linewidth=0.7,
-                  label=r"falls with $c a / (k \Omega + c a)$")  # fmt: skip
-        axes.text(*place, f"({letter}) ratio {ratio:.4f}", transform=axes.transAxes)
-    distance = style.label(dataset.seizure_distance, "distance")
-    style.frame(axes, "(e) ours: seizures approach the corner", "Number of the seizure", distance, yscale="log")
-    axes.xaxis.get_major_locator().set_params(integer=True)
