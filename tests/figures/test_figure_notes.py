@@ -65,9 +65,14 @@ SIDES = {
 }
 
 
+def solving(drive: Drive, u: float, w: float) -> list[str]:
+    """The signs of the contact forces (8.17) that solve at a state, that of law − first, which a motion takes."""
+    forces, direction = contact_force.contact_forces(drive, u, w)[::-1], np.sign(drive.input_speed + w)
+    return ["<>"[int(x > 0)] for law, x in zip((-1, 1), forces, strict=True) if np.sign(x) * direction == law]
+
+
 @pytest.mark.parametrize("words", SIDES)
 def test_the_sides_of_the_line_have_the_sign_of_the_contact_force(words):
-    """Against the two forces of (8.17) themselves; where two solve, a motion takes law −."""
     drive = Drive.of(SIDES[words])
     settings = {"starts": [{"u": 0.01, "w": 0.0}], "duration": 0.01, "samples": 200}
     case = phase_plane.portraits(settings, [drive]).isel(case=0)
@@ -76,11 +81,7 @@ def test_the_sides_of_the_line_have_the_sign_of_the_contact_force(words):
     drawn.guide(axes, case)
     named = {text.get_text(): text.get_position() for text in axes.texts if text.get_text()}
     assert set(named) == {"$N > 0$", "$N < 0$"}
-    for text, (u, w) in named.items():
-        forces = contact_force.contact_forces(drive, u, w)
-        direction = np.sign(drive.input_speed + w)
-        solving = [force for law, force in zip((-1, 1), forces[::-1], strict=True) if np.sign(force) * direction == law]
-        assert (solving[0] > 0) == (">" in text)
+    assert all(solving(drive, *state)[0] in text for text, state in named.items())
 
 
 def test_the_sectors_of_figure_8_7_have_the_signs_of_the_contact_force():
@@ -91,15 +92,8 @@ def test_the_sectors_of_figure_8_7_have_the_signs_of_the_contact_force():
     assert len(sectors) == 4
     for text in sectors:
         u, w = axes.transLimits.inverted().transform(np.round(text.get_position()))
-        forces = contact_force.contact_forces(drive, u, w)
-        direction = np.sign(drive.input_speed + w)
-        relation = {True: ">", False: "<"}
-        expected = rf"$\dot\theta {relation[direction > 0]} 0$: "
-        if np.sign(forces[0]) * direction == 1:
-            first, second = (relation[bool(force > 0)] for force in forces[::-1])
-            expected += f"$N {first} 0$ by law −\n($N {second} 0$ by law +)"
-        else:
-            expected += "no $N$"
+        words = "$N {} 0$ by law −\n($N {} 0$ by law +)".format(*found) if (found := solving(drive, u, w)) else "no $N$"
+        expected = rf"$\dot\theta {'<>'[int(drive.input_speed + w > 0)]} 0$: {words}"
         assert text.get_text() == expected
 
 
