@@ -13,7 +13,7 @@ from references.drives import JERKING, NEAR_FOLD, NEGATIVE_DAMPING, PARADOX, nut
 import lsvib
 from lsvib.basins.grid import Grid
 from lsvib.datasets.io import read_dataset
-from lsvib.figures.configuration import DEFAULT, check
+from lsvib.figures.configuration import DEFAULT, checked
 from lsvib.models.scene import read_yaml
 
 SETTINGS = read_yaml(DEFAULT)
@@ -203,7 +203,7 @@ PYTHON = [
     *((lambda name=name: read_dataset(name), f"{name} is not a regular file.") for name in ("folder", "pipe")),
     (lambda: lsvib.Drive().simulate("rset", 1), "start = 'rset' does not hold names and values, such as u: 0.1 and w:"),
     (lambda: lsvib.Drive().simulate("rest", 1, outputs=5), "outputs = 5 is not a list."),
-    (lambda: check({**SETTINGS, "colour": 1}), UNKNOWN),
+    (lambda: checked({**SETTINGS, "colour": 1}), UNKNOWN),
     (lambda: NEAR_FOLD.follow(NEAR_FOLD.cycles(), "axial_force", (-18.5, -18.35)), "what is followed is one cycle"),
     (lambda: NEAR_FOLD.sweep(mass=np.array(1.0)), "mass = array(1.) is not a list of numbers"),
     (lambda: NEAR_FOLD.sweep(mass=np.ones((2, 2))), "is not a list of numbers"),
