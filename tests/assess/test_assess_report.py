@@ -194,8 +194,7 @@ def test_with_friction_at_rest_nothing_is_called_steady_for_good():
 
 def test_words_lie_inside_the_picture_and_not_on_others(spiky):
     """Names of quantities are long, and factors stand at both ends of a decade."""
-    drawings = [(draw, spiky, name) for draw in (pictures.margin_chart, pictures.sensitivity_chart)
-                for name in spiky.names] + [(pictures.screw_chart, spiky.worst)]  # fmt: skip
+    drawings = [(pictures.margin_chart, spiky, name) for name in spiky.names] + [(pictures.screw_chart, spiky.worst)]
     for draw, *arguments in drawings:
         figure = style.styled(lambda _, draw=draw, arguments=arguments: draw(*arguments))(None)
         figure.canvas.draw()

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from lsvib.assess import vibration as motions
 from lsvib.assess.advice import Change, advice
-from lsvib.assess.margins import ANY, Margin, margins, sensitivities
+from lsvib.assess.margins import ANY, Margin, margins
 from lsvib.assess.mechanisms import NAMES
 from lsvib.assess.operation import Draw, Operation
 from lsvib.assess.sheet import Sheet
@@ -25,7 +25,7 @@ class Mechanism:
     """What is said of one mechanism, see :mod:`lsvib.assess.mechanisms`.
 
     ``occurs`` at the middle values somewhere in the window; the lowest ``reserve`` [1], at ``there``; ``probability``
-    with ``interval``; ``margins``, nearest first; ``sensitivities``. None is what is not known.
+    with ``interval``; ``margins``, nearest first. None is what is not known.
     """
 
     name: str
@@ -35,7 +35,6 @@ class Mechanism:
     probability: float | None
     interval: tuple[float, float] | None
     margins: list[Margin]
-    sensitivities: dict[str, float]
 
 
 Found, Cases = dict[str, Mechanism], dict[str, WorstCase]
@@ -148,14 +147,14 @@ def _require_a_drive(draw: Draw) -> None:
 
 
 def _mechanisms(draw: Draw, spread: Uncertainty, edges: dict[str, list[Margin]]) -> Found:
-    slopes, found = sensitivities(draw), {}
+    found = {}
     for name, one in draw.worst.items():
         there, reserve, often = draw.critical(name), float(one.reserve[0]), spread.probability[name]
         occurs: bool | None = reserve < 0
         if name == "after_perturbation":
             occurs, _, first = draw.most_perturbed if draw.sheet.stiff else (None, None, None)
             there = first or there
-        found[name] = Mechanism(name, occurs, reserve, there, often.value, often.interval, edges[name], slopes[name])
+        found[name] = Mechanism(name, occurs, reserve, there, often.value, often.interval, edges[name])
     return found
 
 

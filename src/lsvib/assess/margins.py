@@ -1,4 +1,4 @@
-"""How far a drive is from vibration: margins of quantities, and sensitivities of the reserve."""
+"""How far a drive is from vibration: margins of quantities."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -140,23 +140,3 @@ def _refined(edges: list[_Edge]) -> list[float]:
         there = np.array([flags[edge.mechanism][k] for k, edge in enumerate(edges)]) != occurs
         before, after = np.where(there, before, middle), np.where(there, middle, after)
     return [float(factor) for factor in after]
-
-
-def sensitivities(draw: Draw) -> dict[str, dict[str, float]]:
-    """Return for each mechanism the change of its reserve [1] per relative change of each quantity, dρ/d ln q.
-
-    At the corner of the window where the reserve is lowest, by a complex step: ρ(q (1 + ih)) = ρ + i h dρ/d ln q +
-    O(h²), with nothing to cancel.
-    """
-    step = 1e-30  # its square, relative, lies far below rounding
-    result: dict[str, dict[str, float]] = {name: {} for name in draw.worst}
-    for quantity, keys in changeable(draw.values).items():
-        changed = draw.scaled(keys, 1 + 1j * step)
-        changed = changed.changed(**{key: complex(value) for key, value in changed.values.items()})
-        for name, one in draw.worst.items():
-            k = int(one.corner[0])
-            there = changed.corners[k]
-            if one.speed[0] != draw.corners[k].speed:  # between two, the reserve is flat, so that its place may stay
-                there = changed.at(there.direction, one.speed[0], there.force)
-            result[name][quantity] = float(np.imag(there.reserves[name]) / step)
-    return result

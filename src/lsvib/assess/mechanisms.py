@@ -25,22 +25,21 @@ _UNDAMPED = ("support_damping", "translation_damping", "axial_support_damping", 
 def reserves(p: Mapping[str, Any], slope: Any, sloped: bool) -> dict[str, Any]:
     """Return the reserve [1] of each mechanism at points of operation; the mechanism occurs where it is negative.
 
-    ``p``: parameters of the drive with its parts, floats, complex floats (one drive) or arrays that broadcast, with the
-    coefficient of friction at the speed; ``slope`` of it over the sliding speed [s/m], ``sloped``: whether it may have
-    one. Besides the mechanisms: ``law``, s_0 = ±1, and ``after_perturbation``, the lower of those of Γ₊ (Γ̃₊ with a
-    support) and C₊ under law −: below zero steady sliding is stable but need not be the only motion (Sect. 8.7), since
-    slip under law + seizes or grows. NaN where μ is not below cot λ.
+    ``p``: parameters of the drive with its parts, floats or arrays that broadcast, with the coefficient of friction at
+    the speed; ``slope`` of it over the sliding speed [s/m], ``sloped``: whether it may have one. Besides the
+    mechanisms: ``law``, s_0 = ±1, and ``after_perturbation``, the lower of those of Γ₊ (Γ̃₊ with a support) and C₊
+    under law −: below zero steady sliding is stable but need not be the only motion (Sect. 8.7), since slip under law +
+    seizes or grows. NaN where μ is not below cot λ.
     """
     tangent, radius, rubs, mass = np.tan(p["lead_angle"]), p["pitch_radius"], p["friction_coefficient"], p["mass"]
     support, contact = "support_stiffness" in p, "contact_stiffness" in p
     lever = radius * tangent * p["translation_damping"]
-    direction = np.sign(np.real(p["input_speed"]))
+    direction = np.sign(p["input_speed"])
     carried = p["axial_force"] - lever * p["input_speed"] - p.get("slide_friction", 0.0) * direction  # R̃
     # Without any force the slightest one decides, and law + is the one that destabilises.
-    law = np.where(np.real(carried) * np.real(p["input_speed"]) >= 0, 1, -1)
-    size = np.where(np.real(carried) < 0, -carried, carried)
+    law = np.where(carried * p["input_speed"] >= 0, 1, -1)
     collar = p.get("collar_friction", 0.0) * p.get("collar_radius", 0.0) / radius
-    by_slope = mechanics.damping_by_slope(slope, size, rubs, radius, np.cos(p["lead_angle"]), tangent, law)
+    by_slope = mechanics.damping_by_slope(slope, np.abs(carried), rubs, radius, np.cos(p["lead_angle"]), tangent, law)
     geometry = (radius, tangent, mechanics.friction_factor(rubs, tangent, law) + law * collar)
     if support:
         mass = mass * p["screw_mass"] / (mass + p["screw_mass"])
@@ -50,32 +49,32 @@ def reserves(p: Mapping[str, Any], slope: Any, sloped: bool) -> dict[str, Any]:
     sloping = _balance(p["support_damping"], damping - p["support_damping"], by_slope)
     found = {
         "kinematic_constraint": _balance(p["screw_inertia"], inertia - p["screw_inertia"]),
-        "negative_damping": _larger(base, sloping),
-        "falling_friction": np.where(np.real(slope) < 0, sloping, 1.0),
+        "negative_damping": np.maximum(base, sloping),
+        "falling_friction": np.where(slope < 0, sloping, 1.0),
     }
-    helped = damping + np.where(np.real(by_slope) > 0, by_slope, 0.0)  # a fall is a mechanism of its own
+    helped = damping + np.where(by_slope > 0, by_slope, 0.0)  # a fall is a mechanism of its own
     if "motor_inertia" in p or support:
         found |= _as_a_whole(without(p, "threads"), law, found, (inertia, helped, by_slope), sloped)
     if contact:  # the whole drive decides; threads and support together are named after the contact
         full = _full_reserve(p, law)
         names = [name for name in ("negative_damping", "kinematic_constraint", "mode_coupling") if name in found]
-        found |= {name: _larger(found[name], full) for name in names}
-        own_fault = (np.real(helped) >= 0) & (np.real(inertia) > 0)
+        found |= {name: np.maximum(found[name], full) for name in names}
+        own_fault = (helped >= 0) & (inertia > 0)
         if support:
-            own_fault = reduce(np.logical_and, [np.real(found[name]) >= 0 for name in names])
-        found["thread_contact"] = np.where(own_fault, full, _larger(full, 0 * full))
+            own_fault = reduce(np.logical_and, [found[name] >= 0 for name in names])
+        found["thread_contact"] = np.where(own_fault, full, np.maximum(full, 0 * full))
     # Where nothing damps the drive a reserve of damping is at most zero, whatever its two bodies do undamped.
     dampings = [value for key, value in p.items() if key.endswith("_damping")]
-    nothing, reserve = sum(map(_size, (*dampings, by_slope))) == 0, found["negative_damping"]
-    found["negative_damping"] = np.where(nothing & (np.real(reserve) > 0), 0.0, reserve)
+    nothing, reserve = sum(map(np.abs, (*dampings, by_slope))) == 0, found["negative_damping"]
+    found["negative_damping"] = np.where(nothing & (reserve > 0), 0.0, reserve)
     geometry = (radius, tangent, mechanics.friction_factor(rubs, tangent, 1) + collar)
     of_plus = mechanics.effective_inertia(p["screw_inertia"], mass, *geometry) - p["screw_inertia"]
     fed = mechanics.effective_damping(0.0, p["translation_damping"], *geometry)
     # Without damping of the load there is nothing that law + could turn round.
-    damped = np.where(np.real(fed) == 0, 1.0, _balance(p["support_damping"], fed))
+    damped = np.where(fed == 0, 1.0, _balance(p["support_damping"], fed))
     reserve = _balance(p["screw_inertia"], of_plus)
-    found["after_perturbation"] = np.where(law < 0, np.where(np.real(damped) < np.real(reserve), damped, reserve), 1.0)
-    valid = np.real(rubs * tangent) < 1
+    found["after_perturbation"] = np.where(law < 0, np.minimum(damped, reserve), 1.0)
+    valid = rubs * tangent < 1
     return {name: np.where(valid, value, np.nan) for name, value in found.items()} | {"law": law}
 
 
@@ -96,35 +95,27 @@ def _as_a_whole(
     level = sloping = _full_reserve(p, law)
     if sloped:
         sloping = _full_reserve({**p, "support_damping": p["support_damping"] + by_slope}, law)
-    falls, kinematic, coupled = np.real(by_slope) < 0, np.real(inertia) <= 0, np.real(helped) >= 0
+    falls, kinematic, coupled = by_slope < 0, inertia <= 0, helped >= 0
     if not coupled.all():  # there it is mode coupling only if the two bodies do it undamped, too
-        coupled |= np.real(_full_reserve({**p, **dict.fromkeys(_UNDAMPED, 0.0)}, law)) < 0
+        coupled |= _full_reserve({**p, **dict.fromkeys(_UNDAMPED, 0.0)}, law) < 0
     coupled &= ~kinematic
     full = np.where(falls, level, sloping)
-    fallen = np.where(np.real(level) < 0, _larger(rigid["falling_friction"], sloping), sloping)
+    fallen = np.where(level < 0, np.maximum(rigid["falling_friction"], sloping), sloping)
     found = {
-        "negative_damping": _larger(rigid["negative_damping"], full),
+        "negative_damping": np.maximum(rigid["negative_damping"], full),
         "falling_friction": np.where(falls, fallen, rigid["falling_friction"]),
     }
     found = {name: np.where(kinematic, rigid[name], one) for name, one in found.items()}
     if "support_stiffness" not in p:
         return found
-    return found | {"mode_coupling": np.where(coupled, full, _larger(full, 0 * full))}
+    return found | {"mode_coupling": np.where(coupled, full, np.maximum(full, 0 * full))}
 
 
 def _balance(*terms: Any) -> Any:
     """Sum of terms over the sum of their sizes; zero if all are zero."""
-    size = sum(map(_size, terms))
+    size = sum(map(np.abs, terms))
     with np.errstate(invalid="ignore", divide="ignore"):
-        return np.where(np.real(size) == 0, 0.0, sum(terms) / size)
-
-
-def _size(term: Any) -> Any:
-    return np.where(np.real(term) < 0, -term, term) if np.iscomplexobj(term) else np.abs(term)
-
-
-def _larger(a: Any, b: Any) -> Any:
-    return np.where(np.real(a) >= np.real(b), a, b)
+        return np.where(size == 0, 0.0, sum(terms) / size)
 
 
 def _full_reserve(parameters: Mapping[str, Any], law: Any) -> Any:
@@ -146,15 +137,15 @@ def _full_reserve(parameters: Mapping[str, Any], law: Any) -> Any:
 
 def _of_determinants(p: tuple[Any, ...]) -> Any:
     found: Any = 1.0
-    sizes = tuple(map(_size, p))
+    sizes = tuple(map(np.abs, p))
     for order in range(3, len(p) - 1, 2):
         size = hurwitz(sizes, order, same=True)
         with np.errstate(invalid="ignore", divide="ignore"):
-            one = np.where(np.real(size) == 0, 0.0, hurwitz(p, order) / size)
-        found = np.where(np.real(one) < np.real(found), one, found)
+            one = np.where(size == 0, 0.0, hurwitz(p, order) / size)
+        found = np.where(one < found, one, found)
     return np.where(_any_negative(p[1:-1]), -1.0, found)
 
 
 def _any_negative(coefficients: tuple[Any, ...]) -> Any:
     """Whether one of some coefficients is not positive."""
-    return reduce(np.logical_or, [np.real(x) <= 0 for x in coefficients])
+    return reduce(np.logical_or, [x <= 0 for x in coefficients])

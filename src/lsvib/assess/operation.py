@@ -224,7 +224,7 @@ class Operation:
         if draw.sheet.friction.law:
             sliding = sliding_speed(self.speed, draw.pitch_radius, draw.lead_angle)
             coefficient, slope = friction.unbounded(SimpleNamespace(**draw.friction_law), sliding)
-            positive = np.real(coefficient) > 0
+            positive = coefficient > 0
             return np.where(positive, coefficient, 0.0), np.where(positive, slope, 0.0)
         return draw.square(values["friction_coefficient"]), draw.square(values["friction_slope"])
 

@@ -94,7 +94,6 @@ def as_json(assessment: Assessment) -> dict[str, Any]:
                 **{key: getattr(one, key) for key in ("occurs", "probability", "interval", "reserve")},
                 "at": _place(one.there),
                 "margin": _margins_json(one.margins),
-                "sensitivity": {QUANTITIES[key].name: value for key, value in one.sensitivities.items()},
             }
             for name, one in assessment.mechanisms.items()
             if name != "after_perturbation"

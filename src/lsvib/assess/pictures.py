@@ -16,7 +16,7 @@ from matplotlib.ticker import EngFormatter
 from lsvib.assess.assessment import AssessedMotion, Assessment
 from lsvib.assess.chart import KINDS, Chart
 from lsvib.assess.uncertainty import BINS
-from lsvib.assess.words import MECHANISMS, QUANTITIES, entry_name
+from lsvib.assess.words import MECHANISMS, entry_name
 from lsvib.figures import style
 
 WIDTH = 3.7  # inch: on a phone one to one
@@ -117,20 +117,6 @@ def load_chart(motion: AssessedMotion) -> Figure:
     axis.xaxis.set_major_formatter(EngFormatter("s"))
     axis.yaxis.set_major_formatter(EngFormatter("m"))
     axis.set_title("How the load moves")
-    return figure
-
-
-def sensitivity_chart(assessment: Assessment, name: str) -> Figure:
-    """Change of the reserve of one mechanism per one per cent of each quantity."""
-    table = assessment.mechanisms[name].sensitivities
-    names = sorted(filter(table.get, table), key=lambda key: -abs(table[key]))
-    figure, axis = _bars([QUANTITIES[key].words for key in names])
-    changes = [0.01 * table[key] for key in names]
-    colours = [style.GREEN if change > 0 else style.VERMILION for change in changes]
-    axis.barh(range(len(names)), changes, height=0.4, color=colours)
-    axis.set_xlabel("Change of the reserve for 1 % more")
-    axis.ticklabel_format(axis="x", style="plain")
-    axis.locator_params(axis="x", nbins=5)
     return figure
 
 

@@ -1,4 +1,4 @@
-"""From the entries of a data sheet to the quantities of a drive: floats, complex numbers or arrays (docs/assess.md)."""
+"""From the entries of a data sheet to the quantities of a drive: floats or arrays (docs/assess.md)."""
 
 import math
 from collections.abc import Mapping

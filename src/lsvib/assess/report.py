@@ -32,8 +32,6 @@ def report(assessment: Assessment, charts: list[Chart]) -> str:
     """Return the report on an assessment as the text of one HTML page, which needs no other file."""
     sheet, names, found = assessment.draw.sheet, assessment.names, assessment.mechanisms
     near = [name for name in names if any(row.is_near() for row in found[name].margins)]
-    # A reserve at its lower end, -1, has no slope, or as good as none: then no small change helps against that cause.
-    steep = next((name for name in near if max(map(abs, found[name].sensitivities.values()), default=0) > 1e-3), None)
     same = assessment.worst is assessment.nominal
     motions = {"At the given values" if same else "At the middle values": assessment.nominal}
     if not same:
@@ -52,8 +50,6 @@ def report(assessment: Assessment, charts: list[Chart]) -> str:
         else [row for row in assessment.margins if row.is_near() and row.value],
         near=near,
         oscillations=_oscillations(assessment) if sheet.motor is not None else [],
-        lever=max(found[steep].sensitivities.items(), key=lambda item: abs(item[1])) if steep else None,
-        steep=steep,
         charts=charts,
         motions=motions,
         endangered=bool(assessment.statics.back_drives) or any(row.exceeded for row in assessment.statics.limited),

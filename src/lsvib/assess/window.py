@@ -19,7 +19,7 @@ from lsvib.models import friction
 if TYPE_CHECKING:
     from lsvib.assess.operation import Draw
 
-Array = NDArray[Any]  # of floats, or complex
+Array = NDArray[Any]  # of floats
 AT_ONCE = 2**17  # reserves, few enough for the processor's caches, many enough for NumPy
 _FADING = (0.05, 0.1, 0.2, 0.35, 0.6, 1.0, 1.6, 2.5, 4.0, 7.0)  # of the speed over which a rise of friction fades
 _SHARES = np.linspace(0, 1, 8)[1:-1]  # of the window, in logarithm
@@ -60,8 +60,8 @@ def points(draw: "Draw", direction: int, between: bool = True) -> tuple[Array, A
 
     def within(key: str, places: Any) -> Array:
         low, high = values[f"{key}_low"], values[f"{key}_high"]
-        places = np.where(np.real(places) > np.real(low), places, low)
-        return np.asarray(np.where(np.real(places) < np.real(high), places, high))
+        places = np.where(places > low, places, low)
+        return np.asarray(np.where(places < high, places, high))
 
     def beside(key: str, balance: Any) -> list[Array]:
         """From where |R̃| is least to the ends of the window."""
@@ -100,11 +100,11 @@ def _own_speeds(draw: "Draw") -> list[Array]:
 def _frictionless(draw: "Draw") -> Array:
     """The sliding speed [m/s] at which a falling law reaches zero, before which it weighs most; zero if it rises."""
     law = SimpleNamespace(**draw.friction_law)
-    slope = np.where(np.real(law.friction_slope) < 0, law.friction_slope, -np.inf)
+    slope = np.where(law.friction_slope < 0, law.friction_slope, -np.inf)
     low, high = -law.friction_coefficient / slope, -(law.friction_coefficient + law.stribeck_rise) / slope
     for _ in range(30):  # to its distance from the place, see below
         middle = 0.5 * (low + high)
-        rubs = np.real(friction.unbounded_coefficient(law, middle)) > 0
+        rubs = friction.unbounded_coefficient(law, middle) > 0
         low, high = np.where(rubs, middle, low), np.where(rubs, high, middle)
     return np.asarray(low)
 
@@ -150,7 +150,7 @@ def _worst(draw: "Draw", between: bool) -> dict[str, Worst]:
     for name in (*applicable(draw.sheet), "after_perturbation"):
         pairs = zip(rows, places, strict=True)
         table = np.concatenate([np.broadcast_to(row[name], place[1].shape) for row, place in pairs])
-        lowest = np.argmin(np.where(np.isnan(np.real(table)), -np.inf, np.real(table)), axis=0)
+        lowest = np.argmin(np.where(np.isnan(table), -np.inf, table), axis=0)
         there = [np.take_along_axis(one, lowest[None], 0)[0] for one in (table, speed, side, force)]
         reserve, at = there[:2]
         if name == "falling_friction" and draw.sheet.friction.law and draw.sheet.is_window("operation.speed"):
