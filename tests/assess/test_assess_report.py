@@ -55,7 +55,7 @@ def test_the_page_needs_no_other_file(seat):
     page = (seat[0] / "index.html").read_text(encoding="utf-8")
     assert "<script" not in page
     assert not re.findall(r'(?:src|href)="(?!data:)', page)
-    assert page.count("<img ") >= 6
+    assert page.count("<img ") >= 5
     assert page.count('alt="') == page.count("<img ")
     for title in ("What can make it vibrate", "Where it vibrates", "What this model leaves out", "The data sheet"):
         assert title in page
@@ -166,18 +166,11 @@ def spiky():
 
 @pytest.mark.parametrize("speed", [1e-3, 30e-3])
 def test_a_motion_that_is_shown_is_resolved(spiky, speed):
-    """Six cycles, at 1 mm/s with slips of a 50th of one; the last are the cycle of the table, at 30 mm/s from late on.
-
-    Twenty samples of an arc of a sine miss its extreme by less than 1 - cos(π/40) = 0.3 %.
-    """
+    """Six cycles, at 1 mm/s with slips of a 50th of one; the last are those of the table, at 30 mm/s from late on."""
     corner = -1, speed * 2 * math.pi / 2e-3, 0.0
     shown = spiky.draw.at(*corner).motion(-STRONG)
     assert shown.time[-1] * shown.frequency == pytest.approx(6)
     late = shown.time > 0.5 * shown.time[-1]
-    ends = shown.speed[late].min(), shown.speed[late].max()
-    assert np.allclose(ends, shown.screw_speed, rtol=0, atol=0.05 * np.ptp(shown.screw_speed))
-    if speed == 1e-3:
-        assert min(ends) == pytest.approx(shown.screw_speed[0], rel=3e-3)
     assert 0.5 * np.ptp(shown.deviation[late]) == pytest.approx(shown.amplitude, rel=0.05)
 
 
@@ -194,7 +187,7 @@ def test_with_friction_at_rest_nothing_is_called_steady_for_good():
 
 def test_words_lie_inside_the_picture_and_not_on_others(spiky):
     """Names of quantities are long, and factors stand at both ends of a decade."""
-    drawings = [(pictures.margin_chart, spiky, name) for name in spiky.names] + [(pictures.screw_chart, spiky.worst)]
+    drawings = [(pictures.margin_chart, spiky, name) for name in spiky.names] + [(pictures.load_chart, spiky.worst)]
     for draw, *arguments in drawings:
         figure = style.styled(lambda _, draw=draw, arguments=arguments: draw(*arguments))(None)
         figure.canvas.draw()

@@ -15,7 +15,6 @@ from matplotlib.ticker import EngFormatter
 
 from lsvib.assess.assessment import AssessedMotion, Assessment
 from lsvib.assess.chart import KINDS, Chart
-from lsvib.assess.uncertainty import BINS
 from lsvib.assess.words import MECHANISMS, entry_name
 from lsvib.figures import style
 
@@ -91,23 +90,6 @@ def margin_chart(assessment: Assessment, name: str) -> Figure:
     return figure
 
 
-def screw_chart(motion: AssessedMotion) -> Figure:
-    """Phase plane of the screw in one motion, with its start and the point of steady running."""
-    figure, moved = style.new_figure(WIDTH, 2.7), motion.vibration
-    axis = figure.subplots()
-    twist, speed = np.degrees(moved.twist), moved.speed * 60 / (2 * math.pi)
-    axis.plot(twist, speed, color=style.BLUE, linewidth=0.9)
-    axis.plot(twist[0], speed[0], "o", color=style.ORANGE, label="start")
-    steady = motion.there.direction * motion.there.speed * 60 / (2 * math.pi)
-    axis.plot(0, steady, "P", color=style.VERMILION, markersize=6, label="steady running")
-    if np.ptp(speed) > 0.5 * np.abs(speed).max():
-        axis.axhline(0, color=style.GREY, linewidth=0.6)
-    axis.set(xlabel="Twist off steady running [°]", ylabel="Screw speed [rpm]")
-    axis.set_title("How the screw turns")
-    figure.legend(loc="outside lower center", ncols=2, fontsize=7)
-    return figure
-
-
 def load_chart(motion: AssessedMotion) -> Figure:
     """Time history of the load in one motion."""
     figure = style.new_figure(WIDTH, 2.7)
@@ -117,19 +99,6 @@ def load_chart(motion: AssessedMotion) -> Figure:
     axis.xaxis.set_major_formatter(EngFormatter("s"))
     axis.yaxis.set_major_formatter(EngFormatter("m"))
     axis.set_title("How the load moves")
-    return figure
-
-
-def reserve_chart(assessment: Assessment, names: list[str]) -> Figure:
-    """How the reserve of each mechanism is spread over the samples."""
-    figure = style.new_figure(WIDTH, 2.8)
-    axis = figure.subplots()
-    for name in names:
-        counts = assessment.uncertainty.probability[name].counts
-        axis.stairs(counts / counts.sum(), BINS, color=_COLOURS[name], label=MECHANISMS[name][0], linewidth=1.5)
-    axis.axvspan(-1, 0, color="#F7E3DA", zorder=0)
-    axis.set(xlim=(-1, 1), xlabel="Reserve: below zero it vibrates", ylabel="Share of all drives")
-    figure.legend(loc="outside lower center", ncols=2, fontsize=7)
     return figure
 
 

@@ -4,7 +4,7 @@ The samples are points of one scrambled Sobol sequence.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -18,7 +18,6 @@ from lsvib.errors import InputError
 
 BLOCK = 2**12  # samples whose quantities are in memory at once
 MOST_RESERVES = 2**20  # of Sobol indices, about a second
-BINS = np.linspace(-1.0, 1.0, 41)  # edges of the classes of reserve [1] that samples are counted in
 ASKED = 128  # drives whose basins are asked, some 5 ms a corner of the window,
 ASKED_CORNERS = 512  # of all of them
 # Lowest reserve [1] of a mechanism within the uncertainties, and the place (d) of the unit cube that has it.
@@ -27,14 +26,10 @@ WorstCase = tuple[float, NDArray[np.float64]]
 
 @dataclass(frozen=True)
 class Probability:
-    """How often a mechanism occurs: ``value`` [1] and its confidence ``interval`` [1]; ``counts`` by reserve.
-
-    Both None where that is not known.
-    """
+    """How often a mechanism occurs: ``value`` [1] and its confidence ``interval`` [1]; None where it is not known."""
 
     value: Any  # float
     interval: Any  # tuple of floats
-    counts: NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -44,7 +39,7 @@ class Uncertainty:
     ``sobol``: total Sobol indices [1] by mechanism and entry, absent where a reserve does not vary.
     ``lowest``: the shares (d) of the sample with the lowest reserve of each mechanism, ``upset`` of the one that
     tolerates the smallest perturbation, None if all that were asked tolerate any. ``holds``: how often the thread
-    is self-locking (no ``counts``), and ``lifting`` the lowest and highest lifting efficiency [1] of the samples.
+    is self-locking, and ``lifting`` the lowest and highest lifting efficiency [1] of the samples.
     """
 
     samples: int
@@ -88,7 +83,7 @@ def study(sheet: Sheet, samples: int, seed: int) -> Uncertainty:
     pair = Draw.of(sheet, points).efficiencies
     lifting, lowering = (np.broadcast_to(one, points.shape[1:]) for one in pair)
     unstable = np.any([reserve < 0 for name, reserve in found.items() if name != "after_perturbation"], axis=0)
-    chances = {name: _probability(reserve < 0, reserve) for name, reserve in found.items()}
+    chances = {name: _probability(reserve < 0) for name, reserve in found.items()}
     one = "after_perturbation"
     chances[one], upset = _perturbed(sheet, points, chances[one], found[one])
     return Uncertainty(
@@ -104,12 +99,12 @@ def study(sheet: Sheet, samples: int, seed: int) -> Uncertainty:
     )
 
 
-def _probability(hits: NDArray[np.bool_], reserve: Any = ()) -> Probability:
+def _probability(hits: NDArray[np.bool_]) -> Probability:
     """A share with the interval of Clopper and Pearson (docs/assess.md); 0 or 1 if nothing is uncertain."""
     count = np.count_nonzero(hits)
     share = count / hits.size
     interval = _ends(count, hits.size, 0.95) if hits.size > 1 else (share, share)
-    return Probability(share, interval, np.histogram(np.clip(reserve, -1.0, 1.0), BINS)[0])
+    return Probability(share, interval)
 
 
 def _ends(hits: int, count: int, level: float = 0.975) -> tuple[float, float]:
@@ -127,7 +122,7 @@ def _perturbed(
     share of these times that of the upset among them, each of 97.5 %; drives that are not known widen it.
     """
     if not sheet.closed:
-        return replace(may, value=None, interval=None), None
+        return Probability(None, None), None
     candidates = np.flatnonzero(reserve < 0)
     if not candidates.size:
         return may, None
@@ -140,9 +135,9 @@ def _perturbed(
     value = candidates.size / reserve.size * hits / (asked - unknown) if unknown < asked else None
     first = points[:, min(answers, key=lambda answer: answer[2])[0]] if hits else None
     if reserve.size == 1:
-        return replace(may, value=value, interval=None if value is None else (value, value)), first
+        return Probability(value, None if value is None else (value, value)), first
     among, share = (_ends(hits, asked)[0], _ends(hits + unknown, asked)[1]), _ends(candidates.size, reserve.size)
-    return replace(may, value=value, interval=(among[0] * share[0], among[1] * share[1])), first
+    return Probability(value, (among[0] * share[0], among[1] * share[1])), first
 
 
 def _draws(sheet: Sheet, entries: list[str], samples: int) -> int:

@@ -42,9 +42,8 @@ class Vibration:
     ``parts``: what complies; ``attractor``: its name in words; for a cycle ``frequency`` [Hz], ``amplitude`` of the
     load [m] (half of peak to peak, about steady travel), ``load_speed`` lowest and highest [m/s], ``screw_speed``
     likewise [rad/s], ``peak_contact_force`` between impacts [N], ``peak_impulse`` of an impact [N s] (0 without).
-    ``scene``: names and values of a scene that shows it; ``time`` [s], ``deviation`` of the load [m], ``speed`` of the
-    screw [rad/s], deviations of its ``angle`` and of the ``twist`` of the coupling [rad]: samples (n) of the motion,
-    even ones and more between its events, so that short slips are resolved. ``reason``: why nothing is known, if so.
+    ``scene``: names and values of a scene that shows it; ``time`` [s], ``deviation`` of the load [m]: samples (n) of
+    the motion. ``reason``: why nothing is known, if so.
     """
 
     parts: Parts
@@ -58,9 +57,6 @@ class Vibration:
     scene: dict[str, Any] = field(default_factory=dict)
     time: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
     deviation: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
-    speed: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
-    angle: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
-    twist: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
     reason: str | None = None
 
     @property
@@ -91,16 +87,12 @@ def vibration(drive: Drive, perturbation: float | None, parts: Parts, law: bool)
     except EngineError as error:
         return Vibration(parts, words, reason=str(error))
     row = _load_row(drive, automaton.states)
-    behind = states[:, automaton.states.index("motor_angle")] if "motor_angle" in automaton.states else 0.0
     return Vibration(
         parts,
         words,
         scene={"drive": dict(drive), "start": start, "duration": span, "samples": _SAMPLES + 1},
         time=times,
         deviation=states @ row,
-        speed=states[:, 1] + drive.input_speed,
-        angle=states[:, 0],
-        twist=states[:, 0] - behind,
         **({} if end.orbit is None or end.label in _WITHOUT_CYCLE else _of_cycle(drive, end.orbit, row)),
     )
 
@@ -150,10 +142,7 @@ def _shown(
     else:
         start = dict(zip(names, orbit.at([0.5 * end.period])[0][0].tolist(), strict=True))
         motion = follow(automaton, definition.initial_state(drive, start), span)
-    # Between two events, however close, twenty and the last before the next: none is missed.
-    ends = np.unique([0.0, *motion.time, span])
-    within = np.interp(np.arange(20 * ends.size - 19) / 20, np.arange(ends.size), ends)
-    times = np.unique([*np.linspace(0.0, span, _SAMPLES + 1), *within, *np.nextafter(ends[1:], 0.0)])
+    times = np.linspace(0.0, span, _SAMPLES + 1)
     states, _ = motion.at(times)
     return start, span, times, states
 
