@@ -522,14 +522,3 @@ def halves(measured: Measured) -> Array:
             forth, other = measured.torque[k], -measured.torque[near].mean()
             rows.append((measured.speed[k], 0.5 * (forth + other), 0.5 * (forth - other)))
     return np.array(rows).reshape(-1, 3)
-
-
-def falls_up_to(measured: Measured, solution: Solution, load: float, sense: int) -> float:
-    """Return the speed [rad/s] up to which friction falls in one direction under a load; zero where it does not fall.
-
-    Friction is the fitted torque in the direction of turning, of threads and bearing; the load adds a constant.
-    """
-    speeds = np.geomspace(measured.speeds[0] / 3, measured.speeds[-1], 2000)
-    torque = sense * steady_torque(solution.values, measured, sense * speeds, load)
-    falls = np.diff(torque) < -1e-12 * np.abs(torque).max()  # more than rounding
-    return 0.0 if not falls[0] else float(speeds[-1] if falls.all() else speeds[np.argmin(falls)])

@@ -14,13 +14,12 @@ from lsvib.figures import style
 from lsvib.figures.measured_drive import residual_panel, torque_panel
 from lsvib.files import check_outputs, replacing, write_json, write_text
 from lsvib.fit.dataset import fit_variables
-from lsvib.fit.law import LARGEST_STATIC, PARAMETERS, STATIC, Solution, falls_up_to, halves, load_of_directions
+from lsvib.fit.law import LARGEST_STATIC, PARAMETERS, STATIC, Solution, load_of_directions
 from lsvib.fit.records import Record
 from lsvib.fit.sheet import FittedSheet, above, fit_sheet, spread
 from lsvib.fit.stick_slip import StickSlip
 
 _FILES = ("fit.nc", "fit.json", "fit.png", "fit.pdf", "friction.yaml")
-_SENSES = {"lifting": 1, "lowering": -1}  # of the speed, times that of the load
 _ENDS = {
     "fit": "Fit",
     "threads": "All friction in the threads",
@@ -74,13 +73,6 @@ def as_json(found: FittedSheet) -> dict[str, Any]:
         "not_separable": [list(pair) for pair in fit.not_separable],
         "ends": {name: _end(found, end) for name, end in fit.ends.items()},
         "loads": loads,
-        "falls_up_to": {
-            words: [_falls(found, load, sense) for load in loads] for words, sense in _SENSES.items()
-        },
-        "halves": [
-            {"speed": speed, "half_sum": friction, "half_difference": of_load}
-            for speed, friction, of_load in halves(measured).tolist()
-        ],
         "measured": [
             {key: None if value != value else value for key, value in vars(point).items()} for point in found.points
         ],
@@ -144,9 +136,6 @@ def sentences(found: FittedSheet) -> list[str]:
     typical, off = float(np.median(np.abs(measured.torque))), np.abs(main.residual)
     k, residual = int(np.argmax(off)), main.residual[np.lexsort((measured.speed, measured.load))]
     loads = {float(f"{value:.3g}") for end in fit.ends.values() for value in _loads(found, end) or ()}
-    most = float(measured.load[np.argmax(np.abs(measured.load))])
-    turned = np.unique(np.sign(measured.speed[measured.load == most] * (most or 1)))
-    falls = {words: _falls(found, most, sense) for words, sense in _SENSES.items() if sense in turned}
     records = [table.record for table in found.tables if table.record]
     near_an_end = np.abs(main.values["stribeck_speed"] / np.array(measured.fading) - 1) < 1e-3
     text = _rendered(
@@ -164,15 +153,9 @@ def sentences(found: FittedSheet) -> list[str]:
             "load": measured.load[k], "name": found.points[k].name,
         },
         at_the_end="stribeck_speed" in main.free and near_an_end.any(),
-        falls_under=most,
-        falls={words: speed for words, speed in falls.items() if speed},
         longest=max((one.period[0] for one in records if one.period), default=0.0),
     )  # fmt: skip
     return [" ".join(part.split()) for part in re.split(r"\n\s*\n", text.strip())]
-
-
-def _falls(found: FittedSheet, load: float, sense: int) -> float:
-    return falls_up_to(found.fit.measured, found.fit.main, load, int(sense * (np.sign(load) or 1)))
 
 
 def _rendered(template: str, **values: Any) -> str:
