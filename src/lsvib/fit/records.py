@@ -3,7 +3,7 @@
 In stick–slip the screw stands while a spring k winds up at the commanded speed Ω, so the torque, in the direction of
 turning, climbs as dT/dt = k Ω; it then slips within a time s, and the torque falls. A tooth of period P is
 
-    T_breakaway − T_after = k Ω (P − s),    mean torque = (T_breakaway + T_after) / 2,    displacement = Ω P.
+    T_breakaway − T_after = k Ω (P − s),    mean torque = (T_breakaway + T_after) / 2.
 
 A recorder that averages over a time w rounds corners, but leaves means and the slope within a ramp. So the slope is
 that of samples of one ramp, P that of the phase, Ω the mean of the recorded speed, and only s needs the shape: the fall
@@ -52,10 +52,8 @@ class Record:
     """What a file is, ``said`` in sentences, and what jerks tell, with standard errors over the teeth, or None.
 
     ``period`` [s], ``slope`` of the ramps [N m/s] and ``stiffness`` [N m/rad], the torque at ``breakaway`` and
-    ``after`` the slip in the direction of turning [N m], the ``displacement`` of a jerk [rad], the number of ``teeth``,
-    and how long the torque takes to ``fall`` as recorded [s], which no window of averaging exceeds. Starts and stops
-    tell the ``inertia`` of all that turns [kg m²], less that of a known mass that moves with it, ``breakaway`` and the
-    steepest ``ramp`` of the speed [rad/s²].
+    ``after`` the slip in the direction of turning [N m], and the number of ``teeth``. Starts and stops tell the
+    ``inertia`` of all that turns [kg m²], less that of a known mass that moves with it, and ``breakaway``.
     """
 
     file: str
@@ -67,9 +65,6 @@ class Record:
     breakaway: Number | None = None
     after: Number | None = None
     inertia: Number | None = None
-    ramp: Number | None = None
-    displacement: Number | None = None
-    fall: Number | None = None
     teeth: int | None = None
 
 
@@ -313,13 +308,12 @@ def _numbers(name: str, speed: Array, torque: Array, teeth: Teeth, step: float, 
     width, blur = teeth.width[0], math.hypot(teeth.width[1], BLUR)
     said = [f"the screw jerks {1 / period:.3g} times a second, so its mean torque is no point of the friction law."]
     slope = tuple(value / step for value in _slope(torque, teeth))
-    found = {"period": (period, error), "fall": (width * period, blur * period), "slope": slope}
+    found = {"period": (period, error), "slope": slope}
     beat = abs(1 / teeth.frequency - round(1 / teeth.frequency)) * slips.size
     if mean_error > UNSURE or beat < 1:  # within an interval, samples see the same part of all teeth
         why = "samples keep in step with the jerks" if beat < 1 else f"its standard error is {mean_error:.0%}"
-        said.append(f"the mean speed is not sure, as {why}: no stiffness and displacement of a jerk are told.")
+        said.append(f"the mean speed is not sure, as {why}: no stiffness is told.")
     else:
-        found["displacement"] = (mean * period, mean * period * math.hypot(mean_error, error / period))
         found["stiffness"] = (slope[0] / mean, slope[0] / mean * math.hypot(slope[1] / slope[0], mean_error))
     if averaging is not None and averaging > (width + 2 * blur) * period:
         said.append(f"an averaging over {averaging:.3g} s hides a fall of the torque that is seen, and is not used.")

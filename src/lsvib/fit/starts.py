@@ -42,7 +42,7 @@ CLIMB = 5.0  # times the noise, by which the torque must climb through rest
 def told(
     speed: Array, torque: Array, step: float, averaging: float | None, load: Moved | None
 ) -> tuple[dict[str, Number], list[str]]:
-    """Return ``inertia`` [kg m²], ``breakaway`` [N m] and ``ramp`` [rad/s²] with errors, and why others are not told.
+    """Return ``inertia`` [kg m²] and ``breakaway`` [N m] with errors, and why others are not told.
 
     ``step``: the interval of the samples [s]; ``averaging``: over which time each stands, None where it is unknown.
     ``load``: the torque [N m] that what moves along the axis takes, at speeds and their rates, if it is known.
@@ -62,7 +62,7 @@ def told(
 def _of_ramps(
     speed: Array, torque: Array, step: float, averaging: float, rounded: float, load: Moved | None
 ) -> tuple[dict[str, Number], str]:
-    """Return inertia and ramp, and why there is no inertia; of means of two samples where one changes too little."""
+    """Return inertia, and why there is none; of means of two samples where one changes too little."""
     stops = np.abs(speed) < REST * np.abs(speed).max()
     stops |= np.append(speed[1:], speed[-1]) * speed < 0
     reach = 1 + math.ceil(max(averaging, step) / step - 1e-9)  # of samples in whose mean a rest takes part
@@ -74,22 +74,12 @@ def _of_ramps(
     # Of a ramp near the noise, the samples that stand out would be those that noise makes larger.
     if np.count_nonzero(ramp) >= FEWEST and np.median(np.abs(rate[ramp])) > 1.5 * usual:
         inertia, why = _inertia(speed, torque, step, turns, np.where(ramp, np.sign(rate), 0.0), load)
-        return _steepest(turns, rate, ramp) | ({} if why else {"inertia": inertia}), why
+        return {} if why else {"inertia": inertia}, why
     if speed.size >= 2 * SHORTEST:
         even = speed.size // 2 * 2
         speeds, torques = (x[:even].reshape(-1, 2).mean(axis=1) for x in (speed, torque))
         return _of_ramps(speeds, torques, 2 * step, averaging + step, rounded, load)
     return {}, f"the speed does not clearly change in {FEWEST} samples in which the screw surely turns"
-
-
-def _steepest(turns: NDArray[np.intp], rate: Array, ramp: NDArray[np.bool_]) -> dict[str, Number]:
-    """Return the middle rate of the speed in the ramp that changes it most, with the scatter of that rate."""
-    parts = np.split(np.flatnonzero(ramp), 1 + np.flatnonzero(np.diff(turns[ramp]) > 1))
-    inner = max((rate[part] for part in parts), key=lambda one: abs(float(one.sum())))
-    inner = inner[np.abs(inner) > 0.5 * np.abs(inner).max()]  # without the corners
-    middle = float(np.median(inner))
-    error = math.hypot(float(inner.std()), CORNER * middle / inner.size)
-    return {"ramp": (middle, error)} if inner.size >= FEWEST and error < UNSURE * abs(middle) else {}
 
 
 def _inertia(
