@@ -71,14 +71,12 @@ def test_a_sheet_is_refused(sheet, run, place, value, words):
     assert words in refused(run, "fit", str(sheet), "--out", "fitted")
 
 
-THOUSAND = "\n".join(",".join(["1"] * 1000) for _ in range(5))
 TABLES = {  # content of one of the files, and words of the sentence
     "": "is empty",
     "rpm,mN m\n": "has no number in column 1",
     "rpm,mN m\n10,high\n10,high\n": "has no number in column 2, whose last cell is 'high'",
     "rpm,mN m\n10,\n,20\n": "has no row with numbers in columns 1 and 2",
     "rpm\n10\n10\n": "has 1 column ",
-    THOUSAND: "has 1000 columns",
     "\n".join(f"{speed},20" for speed in range(-50, 50)): "does not run at one speed",
     "10,20\n10,1e308\n": "holds 1e+305 N m; the allowed range is up to 1e+09 N m",
     "10,1e999\n10,1e999\n": "has no number in column 2",

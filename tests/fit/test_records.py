@@ -27,7 +27,6 @@ def test_drive_1_jerks_at_2_rpm_as_others_measured_and_turns_evenly_from_10():
         assert abs(record.period[0] - 0.4026) < 1.96 * math.hypot(record.period[1], 0.0005) < 4e-3
         assert abs(record.slope[0] - 4.55e-3) < 0.95e-3  # quartiles
         assert abs(record.stiffness[0] - 0.0215) < 0.0015 > record.stiffness[1]
-        assert record.displacement[0] == pytest.approx(2.1 * RPM * 0.4, rel=0.05)
     value, error = np.array([record.stiffness for record in jerky]).T
     assert np.average(value, weights=error**-2) == pytest.approx(0.0215, abs=3e-4)
     assert jerky[0].breakaway[0] == pytest.approx(37 * PERCENT, rel=0.02)

@@ -277,12 +277,8 @@ def law_of_curve(speeds: Array, coefficients: Array) -> dict[str, float]:
 
 def _enough(measured: Measured, known: Mapping[str, float]) -> None:
     """Refuse fewer speeds than the law has unknown numbers, and fewer points than there are in all."""
-    if not np.isfinite([measured.speed, measured.torque, measured.load]).all():
-        raise InputError("the measurements hold a number that is not finite.")
     if not measured.speed.size:
         raise InputError("the measurements have no point at which the screw turns.")
-    if not (measured.speed * (np.abs(measured.load) + measured.preload)).all():
-        raise InputError("the measurements have a point without speed or axial load, where friction tells nothing.")
     if (slowest := float(np.abs(measured.speed).min())) < SLOWEST:
         raise InputError(f"the measurements have a speed of {slowest:.3g} rad/s; the least one is {SLOWEST:g} rad/s.")
     if (typical := float(np.median(np.abs(measured.torque)))) < WEAKEST:

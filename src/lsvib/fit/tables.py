@@ -20,7 +20,6 @@ from lsvib.errors import InputError
 from lsvib.numbers import NotNumber, number, shown
 
 LARGEST_FILE = 64 * 2**20  # bytes; a million rows of three columns
-MOST_COLUMNS = 200  # of a table; more are no table of two quantities, but one that was read with a wrong separator
 TRANSIENT = 5.0  # standard deviations of the second half: further off, the first samples are not yet steady
 SPIKE = 10.0  # robust standard deviations of the torque: so far off is no friction
 DRIFT = 0.1  # of the mean speed: largest difference of the means of four parts of a file
@@ -78,8 +77,6 @@ def read_table(
     if not rows:
         raise InputError(f"{path} is empty.")
     width = Counter(map(len, rows)).most_common(1)[0][0]
-    if width > MOST_COLUMNS:
-        raise InputError(f"{path} has {width} columns; the allowed range is 1 <= columns <= {MOST_COLUMNS}.")
     if width < max(columns):
         raise InputError(
             f"{path} has {width} column{'s' * (width > 1)} where they are parted by {shown(separator)}, and no column "
