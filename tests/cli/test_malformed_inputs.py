@@ -57,9 +57,7 @@ COMMANDS = [
     ("simulate --start u=0 w=0 --duration -1 --out x.nc", "duration = -1"),
     (f"{MOTION} --samples 1", "samples = 1"),
     (f"{MOTION} --samples 10.5", "Invalid value for --samples: '10.5' is not a whole number."),
-    ("simulate --scene /dev/zero --out x.nc", "Cannot read /dev/zero: it is not a regular file"),
-    ("figure 8.8 --config pipe", "Cannot read pipe: it is not a regular file"),
-    ("config --scene folder", "Cannot read folder: it is not a regular file"),
+    ("figure 8.8 --config folder", "Cannot read folder: Is a directory"),
     # Maps, charts, sweeps and what else has axes.
     ("attraction --grid u=-0.1:0.1:4 --out x.nc", "grid spans 1 coordinates"),
     ("attraction --grid u=1:0:4 w=0:1:4 --out x.nc", "start < stop"),
@@ -105,19 +103,13 @@ SCENES = [
     ("drive: {mass: [1\n", "not valid YAML"),
     ("- 1\n", "names and values"),
     ("drive: {mass: 1, mass: 2}\n", "mass is given twice"),
+    ("drive: {mass: 0x1F}\n", "not valid YAML: invalid literal for int"),
+    ("drive: {mass: 01e-30}\n", "mass"),
     ("drive: {mass: 11, weight: 2}\nstart: {u: 0.1, w: 0}\nduration: 1\n", f"weight {UNKNOWN}"),
     ("drive: {mass: '11 kg'}\nstart: {u: 0.1, w: 0}\nduration: 1\n", "mass = '11 kg' is not a number"),
     ("start: {u: left, w: 0}\nduration: 1\n", "start.u = 'left'"),
     ("start: {u: 0.1, w: 0}\nduration: 1\nphysics: [gravity]\n", "gravity"),
     ("start: {u: 0.1, w: 0}\nduration: 1\noutputs: [temperature]\n", "temperature"),
-]
-REPEATED = "".join(f"{b}: &{b} [{', '.join([f'*{a}'] * 9)}]\n" for a, b in zip("abcdefg", "bcdefgh", strict=True))
-SCENES += [
-    (f"a: &a [1]\n{REPEATED}start: *h\nduration: 1\n", "more than 1000000 values, with aliases written out"),
-    ("start: &a [*a]\nduration: 1\n", "an alias stands inside of what it names"),
-    ("#" * 10_000_001, "it has more than 10 MB"),
-    ("drive: {mass: " + "9" * 5000 + "}\n", "mass = inf is outside the allowed range"),
-    ("duration: " + "9" * 5000 + "\n", "duration = inf is outside the allowed range"),
 ]
 # Changes of the settings of a figure: place, value, words.
 SECTIONS = [
