@@ -1,6 +1,5 @@
 """A commanded speed that changes: pieces, jumps, seizures and stops; motions are held by ``test_contacts.py``."""
 
-from itertools import count
 
 import numpy as np
 import pytest
@@ -91,8 +90,8 @@ def test_a_scene_with_a_command():
     ("command", "words"),
     [
         ({"times": [0, 1], "speeds": [0, 1, 2]}, "2 times and 3 speeds"),
-        ({"times": [0], "speeds": [0]}, "command has 1 times; the allowed range is 2 <= times <= 1000"),
-        ({"times": 5, "speeds": [0, 1]}, "command.times = 5 is not a list of numbers"),
+        ({"times": [0], "speeds": [0]}, "command: times = [0] is not long enough; it needs at least 2."),
+        ({"times": 5, "speeds": [0, 1]}, "command: times = 5 is not a list."),
         ({"times": [1, 0], "speeds": [0, 1]}, "must ascend"),
         ({"times": [-1, 0], "speeds": [0, 1]}, "must ascend"),
         ({"times": [0, 0, 0], "speeds": [0, 1, 2]}, "more than twice"),
@@ -101,8 +100,7 @@ def test_a_scene_with_a_command():
         ({"times": [0, 1]}, "command: speeds is missing"),
         ({"times": [0, 1], "speeds": [0, 1], "until": 3}, "until is not a known key; the known keys are times, speeds"),
         ([0, 1], "command = [0, 1] does not hold names and values, such as times: [0, 1] and speeds: [0, 40]."),
-        ({"times": count(), "speeds": [0, 1]}, "command has more than 1000 times; the allowed range is 2 <= times <= "),
-        ({"times": np.array(1.0), "speeds": [0, 1]}, "command.times = array(1.) is not a list of numbers"),
+        ({"times": np.array(1.0), "speeds": [0, 1]}, "command: times = 1.0 is not a list."),
     ],
 )
 def test_a_wrong_command_is_refused_in_one_sentence(command, words):
