@@ -2,6 +2,8 @@
 
 import json
 import math
+import os
+import platform
 from collections.abc import Callable, Mapping
 from importlib.metadata import version
 from importlib.util import find_spec
@@ -15,7 +17,6 @@ from pydantic import Field
 from benchmarks.judge import QUARTILES, Verdict, quartiles
 from lsvib.datasets.attributes import flagged, named_index, variable
 from lsvib.datasets.checks import Check
-from lsvib.datasets.io import machine
 from lsvib.figures import style
 from lsvib.figures.common import flag_names, named
 from lsvib.figures.settings import FigureSettings, Unique
@@ -143,7 +144,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
             "references": "doi:10.1007/978-1-4419-1752-2_8, Sects. 8.5 to 8.7",
             "timing": "processor time of one process, methods interleaved, after a discarded run; "
             "the preparation of a method (tables, compilation) is not in it",
-            **machine(),
+            "hardware": f"{platform.machine()}, {os.cpu_count()} CPUs",
             "rival_versions": json.dumps({name: version(name) for name, module in _PACKAGES if find_spec(module)}),
         },
     )

@@ -93,20 +93,16 @@ class ThresholdSolution:
     derivatives: Mapping[str, Derivative]
     equation: str
 
-    def change(self, by: Mapping[str, float]) -> dict[str, float]:
-        """Return what changes of other parameters, by name in their SI units, change the value, to first order."""
-        return {name: float(self.derivatives[name].value or 0.0) * step for name, step in by.items()}
-
 
 @dataclass(frozen=True)
 class Threshold:
     """Where a drive with some ``parts`` changes what it does: a condition by ``name``, solved for ``unknown``.
 
     ``solutions``, all that were found, in ascending order, in ``unit`` (UDUNITS spelling); ``how`` says whether these
-    are all. ``value``, ``enclosure``, ``derivatives`` and ``equation`` are those of the smallest one; ``several`` says
-    that there are more. Without any, ``value`` and ``enclosure`` are None, and ``reason`` says why. ``statement``: what
-    it divides (forces for Ω > 0). Of ``onset`` also ``stability``, asymptotic or neutral, in the ``stable_intervals``
-    of the unknown, from low to high, None at the end of its range.
+    are all. ``value``, ``enclosure`` and ``derivatives`` are those of the smallest one. Without any, ``value`` and
+    ``enclosure`` are None, and ``reason`` says why. ``statement``: what it divides (forces for Ω > 0). Of ``onset``
+    also ``stability``, asymptotic or neutral, in the ``stable_intervals`` of the unknown, from low to high, None at the
+    end of its range.
     """
 
     name: str
@@ -119,11 +115,6 @@ class Threshold:
     reason: str = ""
     stability: str = ""
     stable_intervals: tuple[tuple[float | None, float | None], ...] = field(default=())
-
-    @property
-    def several(self) -> bool:
-        """Whether there is more than one solution."""
-        return len(self.solutions) > 1
 
     @property
     def value(self) -> float | None:
@@ -139,11 +130,6 @@ class Threshold:
     def derivatives(self) -> Mapping[str, Derivative]:
         """Derivatives of the smallest solution by all other parameters, by name."""
         return self.solutions[0].derivatives if self.solutions else {}
-
-    @property
-    def equation(self) -> str:
-        """Equation of the smallest solution, in words."""
-        return self.solutions[0].equation if self.solutions else ""
 
     def to_json(self) -> dict[str, Any]:
         """Return the threshold as plain numbers and names."""

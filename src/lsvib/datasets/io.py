@@ -145,16 +145,6 @@ def provenance(maker: str) -> dict[str, str]:
     }
 
 
-def machine() -> dict[str, str | int]:
-    """Return attributes that name processor, its cores and operating system, for datasets that hold run times."""
-    try:
-        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
-        name = next((line.partition(":")[2].strip() for line in lines if line.startswith("model name")), "unknown")
-    except OSError:
-        name = platform.processor() or "unknown"
-    return {"processor": name, "processor_cores": os.cpu_count() or 0, "operating_system": platform.system()}
-
-
 def _git_state(tracked: Path) -> tuple[str, str]:
     def git(*arguments: str) -> str:
         command = ["git", "-C", str(tracked.parent), *arguments]

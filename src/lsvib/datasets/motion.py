@@ -16,7 +16,7 @@ from lsvib.datasets import phase_plane
 from lsvib.dynamics.attractor import Attractor, Doubt, SteadyState, orbit_extremes, steady_state
 from lsvib.dynamics.impulses import Impulses, event_impulses
 from lsvib.engine.motion import Budget, Motion, follow
-from lsvib.models.drive import Drive, changed, names_and_values, parameters_of
+from lsvib.models.drive import changed, names_and_values, parameters_of
 from lsvib.models.scene import Scene, read_yaml
 
 _COMMANDED = (
@@ -26,16 +26,14 @@ _COMMANDED = (
 
 
 def as_scene(
-    scene: Scene | Drive | Mapping[str, Any] | str | Path | None, changes: Mapping[str, Any], drive: Mapping[str, Any]
+    scene: Scene | Mapping[str, Any] | str | Path | None, changes: Mapping[str, Any], drive: Mapping[str, Any]
 ) -> Scene:
-    """Return a checked scene from another, a drive, names and values, or the path of a YAML file, changed.
+    """Return a checked scene from another, names and values, or the path of a YAML file, changed.
 
     Arguments: ``changes`` of keys of the scene, ``drive`` of parameters of its drive. Raises ``InputError``.
     """
     if isinstance(scene, Scene):
         values = scene.model_dump()
-    elif isinstance(scene, Drive):
-        values = {"drive": scene}
     elif isinstance(scene, (str, Path)):
         values = read_yaml(scene)
     else:
@@ -121,9 +119,7 @@ class Simulation:
         }
         if scene.command:
             about |= {"command": scene.command.model_dump_json(), "comment": _COMMANDED}
-        # Two states are carried without a modal form, so that nothing amplifies rounding.
-        planar = len(scene.definition.states) == 2
-        return about if planar else about | {"condition_number": self.motion.automaton.condition}
+        return about
 
     def file(self) -> xr.Dataset:
         """Return the dataset for a file that explains itself: with its attractor, N and z.

@@ -208,9 +208,6 @@ class Drive(BaseModel):
     def __setattr__(self, name: str, value: Any) -> None:
         raise InputError(f"a drive does not change; drive.replace({name}=...) makes another one.")
 
-    def __delattr__(self, name: str) -> None:
-        raise InputError("a drive does not change, and has all of its parameters.")
-
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Drive):
             return NotImplemented
@@ -311,7 +308,7 @@ class ExactParameters:
     These are those of λ, ``sin_lead``, ``cos_lead`` and ``tan_lead``, and the coefficients ``steady_friction`` in
     steady sliding and ``static_friction`` at rest (:mod:`lsvib.models.friction`), and ``collar``, μ_b r_b / r_m.
 
-    It is made once and shared, so it cannot be changed: an attempt raises ``AttributeError``.
+    It is made once and shared: do not change it.
     """
 
     def __init__(self, drive: Drive) -> None:
@@ -320,9 +317,6 @@ class ExactParameters:
             angle = values["lead_angle"]
             self.__dict__.update(values, sin_lead=angle.sin(), cos_lead=angle.cos(), tan_lead=angle.tan())
             self.__dict__.update(friction.levels(self))
-
-    def __setattr__(self, name: str, value: object) -> None:
-        raise AttributeError(f"{name} cannot be set: exact parameters are shared.")
 
     if TYPE_CHECKING:
 
