@@ -1,6 +1,5 @@
 """A commanded speed that changes: pieces, jumps, seizures and stops; motions are held by ``test_contacts.py``."""
 
-
 import numpy as np
 import pytest
 from references.known import PARADOX

@@ -18,9 +18,8 @@ from lsvib.assess.sheet import Sheet
 from lsvib.assess.starting import Starting
 from lsvib.assess.statics import Statics, statics
 from lsvib.assess.summary import brief, of_curve, of_statics, said
-from lsvib.assess.uncertainty import BINS
 from lsvib.assess.words import ABOUT, QUANTITIES, VERDICTS
-from lsvib.datasets.attributes import flagged, named_index, variable
+from lsvib.datasets.attributes import flagged, variable
 from lsvib.datasets.io import write_dataset
 from lsvib.errors import InputError
 from lsvib.files import check_outputs, replacing, write_json, write_text
@@ -175,27 +174,21 @@ def _motion_json(motion: AssessedMotion) -> dict[str, Any]:
 
 
 def dataset(assessment: Assessment, charts: list[Chart]) -> xr.Dataset:
-    """Return the operating chart, the reserves of the samples, and the motions at middle and worst values."""
-    mechanisms = list(assessment.mechanisms)
-    counts = [assessment.uncertainty.probability[name].counts for name in mechanisms]
+    """Return the operating chart, and the motions of the load at middle and worst values."""
     kinds, words = np.stack([chart.kind for chart in charts]), "what occurs at a point of operation"
-    variables: dict[str, Any] = {
-        "reserve_counts": variable(
-            ("mechanism", "class"), np.array(counts, dtype=np.int64), "1", "number of samples by reserve"
-        ),
-        "chart": flagged(("direction", "force", "speed"), kinds, words, KINDS),
-    }
-    directions, middles = [chart.direction for chart in charts], 0.5 * (BINS[1:] + BINS[:-1])
+    variables: dict[str, Any] = {"chart": flagged(("direction", "force", "speed"), kinds, words, KINDS)}
     coordinates = {
-        "mechanism": named_index("mechanism", "mechanism", mechanisms),
-        "direction": variable("direction", directions, "1", "direction, 1 is outward"),
+        "direction": variable("direction", [chart.direction for chart in charts], "1", "direction, 1 is outward"),
         "force": variable("force", charts[0].force, "N", "force against outward travel"),
         "speed": variable("speed", charts[0].speed, "m s-1", "speed of the load"),
-        "class": variable("class", middles, "1", "reserve, middle of its class"),
     }
-    for name, motion in (("nominal", assessment.nominal), ("worst", assessment.worst)):
-        coordinates[f"{name}_time"], more = _motion(name, motion)
-        variables |= more
+    for name, motion, where in (
+        ("nominal", assessment.nominal, "at the middle values"),
+        ("worst", assessment.worst, "in the worst case"),
+    ):
+        dim, moved = f"{name}_time", motion.vibration  # a motion that is not known has no samples
+        coordinates[dim] = variable(dim, moved.time, "s", f"time of the motion {where}")
+        variables[f"{name}_deviation"] = variable(dim, moved.deviation, "m", f"deviation of the load {where}")
     return xr.Dataset(
         variables,
         coordinates,
@@ -210,15 +203,3 @@ def dataset(assessment: Assessment, charts: list[Chart]) -> xr.Dataset:
             "worst_case_scene": json.dumps(assessment.worst.vibration.scene),
         },
     )
-
-
-def _motion(name: str, motion: AssessedMotion) -> tuple[Any, dict[str, Any]]:
-    """Time and samples of a motion; a motion that is not known has none."""
-    moved, dim = motion.vibration, f"{name}_time"
-    where = {"nominal": "at the middle values", "worst": "in the worst case"}[name]
-    variables = {
-        f"{name}_deviation": variable(dim, moved.deviation, "m", f"deviation of the load {where}"),
-        f"{name}_screw_speed": variable(dim, moved.speed, "rad s-1", f"speed of the screw {where}"),
-        f"{name}_angle": variable(dim, moved.angle, "rad", f"angle deviation of the screw {where}"),
-    }
-    return variable(dim, moved.time, "s", f"time of the motion {where}"), variables
