@@ -12,7 +12,7 @@ import xarray as xr
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lsvib.datasets.checks import Check, failures, printed, printed_thresholds, read_checks, report
+from lsvib.datasets.checks import Check, counts, failures, printed, printed_thresholds, read_checks, report
 from lsvib.errors import InputError
 from lsvib.models.chapter import THRESHOLDS, claims
 from lsvib.models.chapter import printed as stated
@@ -77,6 +77,13 @@ def test_the_end_of_a_run_says_printed_thresholds_beside_computed_ones():
     words = ["onset", "force", "printed", "20", "N", "computed", "20.2066", "N", "error", "1", "%", "fig8_06"]
     assert line.split() == words
     assert len(THRESHOLDS) == 5
+
+
+def test_the_end_of_a_run_counts_checks_by_figure():
+    checks = [(f"figure_{k}", Check.holds("a claim", "Fig. 8.6", "", k != 7)) for k in range(40) for _ in range(3)]
+    text = counts(checks)
+    assert max(map(len, text.splitlines())) <= 120
+    assert "figure_6 3/3, figure_7 0/3, figure_8 3/3" in " ".join(text.split())
 
 
 def test_a_failure_says_what_was_expected():

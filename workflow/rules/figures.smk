@@ -21,7 +21,7 @@ rule core:
 
 
 rule analyse:
-    """Analyse the drives of a figure: eigenvalues and thresholds."""
+    """Analyse the drives of a figure: eigenvalues, conditions of instability, thresholds."""
     output:
         "<results>/analysis/{figure}.nc",
     log:

@@ -6,7 +6,7 @@ import sys
 from job import logged
 
 with logged(snakemake):
-    from lsvib.datasets.checks import failures, printed_thresholds, read_checks, verdict
+    from lsvib.datasets.checks import counts, failures, printed_thresholds, read_checks, verdict
     from lsvib.datasets.io import read_dataset
     from lsvib.figures.configuration import complete_settings, sources_of
 
@@ -18,7 +18,7 @@ with logged(snakemake):
         elif made.get("sources_sha256") != sources_of(figure):
             wrong.append(f"{file} was made by other sources; delete it, and run again what makes it.")
     checks = read_checks(snakemake.input.checks)
-    print("\n".join(["", *printed_thresholds(checks), verdict(checks)]))
+    print("\n".join(["", *printed_thresholds(checks), counts(checks), verdict(checks)]))
     print(f"Every check: {snakemake.input.checks}, .md")
     if wrong := [*wrong, *failures(checks)]:
         sys.exit("\n".join(wrong))

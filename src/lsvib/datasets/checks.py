@@ -8,6 +8,7 @@ import math
 import os
 import re
 import string
+import textwrap
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -203,6 +204,15 @@ def printed_thresholds(checks: NamedChecks) -> list[str]:
             computed = f"computed {quantity(check.computed, check.unit):10}"
             lines.append(f"{words} {computed} error {percent(check.error):8} {figure}")
     return lines
+
+
+def counts(checks: NamedChecks) -> str:
+    """Return how many checks passed in which figures, in lines of at most 120 columns."""
+    passed: dict[str, list[bool]] = {}
+    for figure, check in checks:
+        passed.setdefault(figure, []).append(check.passed)
+    parts = [f"{figure} {sum(found)}/{len(found)}" for figure, found in passed.items()]
+    return "\n".join(textwrap.wrap(f"Passed: {', '.join(parts)}.", 120, break_on_hyphens=False))
 
 
 def percent(error: float | None) -> str:
