@@ -177,14 +177,7 @@ def solve(section: Section) -> tuple[Motion, float] | None:
         place = place + step
         if np.abs(step).max() <= AT_REST * max(1.0, float(np.abs(place).max())):
             break
-    return best if best is not None and best[1] < CLOSE and _moves(best[0], section.size) else None
-
-
-def _moves(orbit: Motion, size: np.ndarray) -> bool:
-    """Whether a return is no mere touch: two events that rounding separates come back to where they began as well."""
-    states, _ = orbit.at(orbit.end_time * np.array([0.25, 0.5, 0.75]))
-    # way of a return at one of its quarters, in sizes of the motion; a touch lasts for a few roundings
-    return bool((np.abs(states - orbit.start_state) > 1e-9 * size).any())
+    return best if best is not None and best[1] < CLOSE else None
 
 
 def newton_step(matrix: np.ndarray, gap: np.ndarray) -> np.ndarray | None:
