@@ -194,8 +194,3 @@ def work(drive: Drive, orbit: Motion) -> Work:
     lost = np.array([powers.kinetic(x) - powers.kinetic(y) for x, y in zip(orbit.before, orbit.after, strict=True)])
     seized = np.isin(orbit.kind, automaton.sprag_kinds)
     return Work(*map(float, [*totals, lost[seized].sum()]))
-
-
-def balance(drive: Drive, orbit: Motion | None) -> float:
-    """Return the balance of the works over a cycle [1], :attr:`Work.balance`; NaN where there is no cycle."""
-    return work(drive, orbit).balance if orbit is not None else math.nan

@@ -268,7 +268,7 @@ def _cycle(drive: Drive, viscous: float, offset: float) -> _Cycle:
 
     The torque of the motor is that of spring and damper to the command, which leaves drag of the bearing to the screw.
     """
-    from lsvib.dynamics.energy import balance
+    from lsvib.dynamics.energy import work
     from lsvib.stability.starting import end_from_rest
 
     if (orbit := end_from_rest(drive).orbit) is None:
@@ -277,7 +277,7 @@ def _cycle(drive: Drive, viscous: float, offset: float) -> _Cycle:
     spring, turning = (orbit.automaton.observe(name, *orbit.at(times)) for name in ("coupling_torque", "screw_speed"))
     sense = math.copysign(1.0, drive.input_speed)
     torque = sense * spring - (drive.support_damping - viscous) * sense * turning + offset
-    return _Cycle(times, sense * turning, torque, balance(drive, orbit))
+    return _Cycle(times, sense * turning, torque, work(drive, orbit).balance)
 
 
 def _once_a_turn(table: Any) -> float:
