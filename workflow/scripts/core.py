@@ -8,7 +8,7 @@ LAW = {"stribeck_rise": 0.02, "stribeck_speed": 0.01}
 with logged(snakemake):
     from lsvib import Drive
     from lsvib.dynamics.attractor import compile_rule
-    from lsvib.dynamics.energy import balance
+    from lsvib.dynamics.energy import work
     from lsvib.engine.motion import compile_engine
     from lsvib.files import write_text
 
@@ -19,7 +19,7 @@ with logged(snakemake):
         compile_engine((part,))
     drive = Drive(mass=11, **{"modal": THREADS, "taylor": LAW}.get(part, {}))
     cycle = drive.steady_state({"u": 0.1, "w": 0.0})
-    _ = cycle.amplitude, balance(drive, cycle.orbit), cycle.orbit.at([0.0])  # what figures ask of a cycle
+    _ = cycle.amplitude, work(drive, cycle.orbit), cycle.orbit.at([0.0])  # what figures ask of a cycle
     if part == "planar":
         one = {"start": -1.0, "stop": 1.0, "count": 1}
         drive.sweep(axial_force=[50.0])

@@ -2,7 +2,6 @@
 
 import base64
 import io
-import math
 from collections.abc import Callable
 from typing import Any
 
@@ -72,24 +71,6 @@ def operating_chart(charts: list[Chart], chart: Chart, assessment: Assessment) -
     return figure
 
 
-def margin_chart(assessment: Assessment, name: str) -> Figure:
-    """Factors on each quantity at which the verdict on one mechanism changes."""
-    one = assessment.mechanisms[name]
-    rows = {row.about.words: row.factor for row in one.margins if row.factor and 0.1 <= row.factor <= 10}
-    figure, axis = _bars(list(rows))
-    places, colour = np.log10(list(rows.values())), style.GREEN if one.occurs else style.VERMILION
-    bars = axis.barh(range(len(rows)), places, color=colour, height=0.4)
-    axis.bar_label(bars, [f"×{factor:.3g}" for factor in rows.values()], padding=3, fontsize=6.5)
-    span = 1.8 * np.abs(places).max(initial=0.3 * (not rows)) + 0.05
-    axis.set_xlim(-span, span)
-    wide_to_narrow = ((0.1, 0.3, 1, 3, 10), (0.5, 0.7, 1, 1.4, 2), (0.9, 1, 1.1))
-    choices = [[factor for factor in marks if abs(math.log10(factor)) <= span] for marks in wide_to_narrow]
-    ticks = next((marks for marks in choices if len(marks) > 2), choices[-1])
-    axis.set_xticks([math.log10(factor) for factor in ticks], [f"×{factor:g}" for factor in ticks])
-    axis.set_xlabel(f"Factor at which it {'ends' if one.occurs else 'starts'}")
-    return figure
-
-
 def load_chart(motion: AssessedMotion) -> Figure:
     """Time history of the load in one motion."""
     figure = style.new_figure(WIDTH, 2.7)
@@ -103,23 +84,12 @@ def load_chart(motion: AssessedMotion) -> Figure:
 
 
 def sobol_chart(assessment: Assessment, name: str) -> Figure:
-    """Shares of the spread of a reserve that the uncertain entries cause, each with all others."""
-    shares = assessment.uncertainty.sobol[name]
-    names = sorted(shares, key=lambda key: -shares[key])
-    figure, axis = _bars([entry_name(key) for key in names])
-    axis.barh(range(len(names)), [shares[key] for key in names], height=0.4, color=style.BLUE)
-    axis.set(xlim=(0, 1.05), xlabel="Share of the spread that it causes")
-    return figure
-
-
-def _bars(names: list[str]) -> tuple[Figure, Any]:
-    """A figure whose axes have room for horizontal bars of height 0.4 at 0, 1, 2 …, each below its name, all wide."""
-    rows = max(len(names), 1)
-    figure = style.new_figure(WIDTH, max(0.75 + 0.34 * rows, 1.4))
+    """Shares of the spread of a reserve that the uncertain entries cause, each with all others; names above bars."""
+    shares = sorted(assessment.uncertainty.sobol[name].items(), key=lambda pair: -pair[1])
+    figure = style.new_figure(WIDTH, max(0.75 + 0.34 * len(shares), 1.4))
     axis = figure.subplots()
-    axis.set(ylim=(rows - 0.6, -0.8), yticks=[])
-    white = {"color": "white", "pad": 0.3}  # the line at zero does not run through a name
-    for place, name in enumerate(names):
-        axis.text(0.01, place - 0.3, name, fontsize=7, transform=axis.get_yaxis_transform(), bbox=white)
-    axis.axvline(0, color=style.BLACK, linewidth=0.8)
-    return figure, axis
+    for place, (entry, _) in enumerate(shares):
+        axis.text(0.01, place - 0.3, entry_name(entry), fontsize=7, transform=axis.get_yaxis_transform())
+    axis.barh(range(len(shares)), [share for _, share in shares], height=0.4, color=style.BLUE)
+    axis.set(xlim=(0, 1.05), xlabel="Share of the spread that it causes", ylim=(len(shares) - 0.6, -0.8), yticks=[])
+    return figure

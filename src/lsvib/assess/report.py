@@ -30,8 +30,7 @@ def _page(template: str, **values: Any) -> str:
 
 def report(assessment: Assessment, charts: list[Chart]) -> str:
     """Return the report on an assessment as the text of one HTML page, which needs no other file."""
-    sheet, names, found = assessment.draw.sheet, assessment.names, assessment.mechanisms
-    near = [name for name in names if any(row.is_near() for row in found[name].margins)]
+    sheet = assessment.draw.sheet
     same = assessment.worst is assessment.nominal
     motions = {"At the given values" if same else "At the middle values": assessment.nominal}
     if not same:
@@ -44,11 +43,10 @@ def report(assessment: Assessment, charts: list[Chart]) -> str:
         given=sheet.paths(),
         spread=assessment.uncertainty,
         worst=assessment.worst.vibration,
-        names=names,
+        names=assessment.names,
         changes=[row for row in assessment.changes if row.factor]
         if assessment.verdict == "jerks"
         else [row for row in assessment.margins if row.is_near() and row.value],
-        near=near,
         oscillations=_oscillations(assessment) if sheet.motor is not None else [],
         charts=charts,
         motions=motions,
