@@ -195,7 +195,7 @@ def draw(dataset: xr.Dataset) -> style.Figure:
               transform=over.transAxes)  # fmt: skip
     over.plot(force, dataset.swept_peak_normal_force / 1e3, color=style.BLUE)
     over.plot(dataset.axial_force, dataset.peak_normal_force / 1e3, "o", color=style.BLUE)
-    over.set(title="(c) ours: dependence on $R$", xlabel=f"Axial force {style.label(force, ' ').strip()}")
+    over.set(title="(c) ours: over $R$", xlabel=f"Axial force {style.label(force, ' ').strip()}")
     over.set_ylabel("Peak of $N$ [kN]", color=style.BLUE)
     over.set_xlim(0, float(force[-1]))
     over.tick_params(axis="y", which="both", right=False)
@@ -219,7 +219,7 @@ def _force(peaks: style.Axes, sliding: style.Axes, dataset: xr.Dataset) -> None:
     peaks.text(0.99, 0.97, f"{printed:g} kN, printed", color=style.VERMILION, ha="right", va="top", fontsize=7,
                transform=peaks.transAxes)  # fmt: skip
     sliding.axhline(0, color=style.GREY, linewidth=0.6)
-    peaks.set(title="(b) contact force, axis broken: kN above, N below", ylim=(0, 1.06 * _top(dataset)))
+    peaks.set(title="(b) contact force", ylim=(0, 1.06 * _top(dataset)))
     peaks.set_ylabel("$N$ [kN]")
     sliding.set(ylim=(-60.0, 160.0), xlabel="Time $t$ [ms]", ylabel="$N$ [N]")
     peaks.tick_params(labelbottom=False, bottom=False, top=False)
