@@ -60,9 +60,10 @@ def test_a_claim_in_words_tells_what_was_found():
     """Of an array each entry, one entry, or a number of it; none for the least of none."""
     values = {"amplitude": 0.5, "rigid_amplitude": 0.25, "period": 1.0, "rigid_period": np.float32(2)}
     near = np.array([0.5, 0.125])
-    check = Check.that("fig8_10.close", False, orbit_distance=xr.DataArray(0.25), **values)
+    check = Check.that("fig8_10.close", False, orbit_distance=xr.DataArray(0.25), near=near, **values)
     assert not check.passed
-    assert check.computed == "distance 0.2500 (amplitude 0.5 against 0.25 rad, period 1 against 2 s)"
+    said = "distance 0.2500 (amplitude 0.5 against 0.25 rad, period 1 against 2 s); 0.1250 to 0.5000 over R"
+    assert check.computed == said
     assert Check.that("fig8_06.line", True, line=near).computed == "from 0.125 to 0.5 rad off"
     assert Check.that("fig8_13.positive", True, largest=near).computed == "largest z 0.5, 0.125 rad"
     assert Check.that("fig8_08.above", False, growth=near[:0]).computed == "smallest positive one none 1/s"
