@@ -100,7 +100,7 @@ def test_a_failed_check_fails_the_run_with_the_reason(built):
     for _ in range(2):
         run = built()
         assert run.returncode == 1
-        assert "1 of 21 checks FAILED: fig8_08." in run.stdout
+        assert re.search(r"1 of \d+ checks FAILED: fig8_08\.", run.stdout)
         assert re.search(r"fig8_08: Critical mass.* is NOT <= 0\.008", run.stdout)
     results = built.folder / "results"
     assert "- FAIL: Critical mass" in (results / "checks.md").read_text(encoding="utf-8")
@@ -202,7 +202,7 @@ def test_the_workflow_is_a_module_of_another(fresh, tmp_path):
     other.environment = fresh.environment
     run = other("--config", "pathvars={results: made/here}")
     assert run.returncode == 0, run.stdout
-    assert "All 21 checks passed." in run.stdout
+    assert re.search(r"All \d+ checks passed\.", run.stdout)
     assert (other.folder / "made" / "here" / "figures" / "fig8_08.pdf").is_file()
     assert not (other.folder / "results").exists()
 

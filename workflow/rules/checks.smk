@@ -7,7 +7,7 @@ rule check:
         collect("<results>/checks/{figure}.json", figure=FIGURES),
     output:
         json="<results>/checks.json",
-        text=report("<results>/checks.md", caption="../report/checks.rst", category="Checks"),
+        text=report("<results>/checks.md", category="Checks", labels={"table": "every check"}),
         printed="<results>/printed.rst",
     log:
         "<logs>/checks.log",
