@@ -6,6 +6,7 @@ import sys
 from job import logged
 
 with logged(snakemake):
+    import lsvib
     from lsvib.datasets.checks import counts, failures, printed_thresholds, read_checks, verdict
     from lsvib.datasets.io import read_dataset
     from lsvib.figures.configuration import complete_settings, sources_of
@@ -19,6 +20,6 @@ with logged(snakemake):
             wrong.append(f"{file} was made by other sources; delete it, and run again what makes it.")
     checks = read_checks(snakemake.input.checks)
     print("\n".join(["", *printed_thresholds(checks), counts(checks), verdict(checks)]))
-    print(f"Every check: {snakemake.input.checks}, .md")
+    print(f"Every check: {snakemake.input.checks}, .md; made by the lsvib in {lsvib.__path__[0]}")
     if wrong := [*wrong, *failures(checks)]:
         sys.exit("\n".join(wrong))
