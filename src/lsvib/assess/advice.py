@@ -48,10 +48,10 @@ def advice(draw: Draw, edges: list[Margin], vibrates: bool, starts: Starts) -> l
     sides = [(name, side) for name in changeable(draw.values) for side in _sides(draw, name, near.get(name))]
     steps = [(name, side[0] > 1, *step) for name, side in sides for step in pairwise([1.0, *side])]
     for name, larger, before, factor in sorted(steps, key=lambda step: _size(step[3])):
-        whole = sorted(_size(one.factor) for one in found if one.factor and not one.left)
-        if (name, larger) in ended or (whole[2:] and _size(before) >= whole[2]):
+        sizes = sorted(_size(one.factor) for one in found if one.factor and not one.left)
+        if (name, larger) in ended or (sizes[2:] and _size(before) >= sizes[2]):
             continue  # no smaller change is there
-        one = _between(asker, name, before, factor, whole[2] if whole[2:] else math.inf)
+        one = _between(asker, name, before, factor, sizes[2] if sizes[2:] else math.inf)
         ended |= {(name, larger)} if one and not one.left else set()
         found += [one] if one else []
     best: dict[str, Change] = {}

@@ -37,7 +37,8 @@ class Mechanism:
     margins: list[Margin]
 
 
-Found, Cases = dict[str, Mechanism], dict[str, WorstCase]
+Found = dict[str, Mechanism]
+Cases = dict[str, WorstCase]
 
 
 @dataclass(frozen=True)
@@ -181,10 +182,9 @@ def _upset(motion: AssessedMotion) -> bool:
     perturbation above zero decides.
     """
     size, end = motion.tolerated[0], motion.vibration.attractor
-    fatal = size is not None and math.isfinite(size)
     if end in motions.UNDECIDED:
-        return fatal and size > 0
-    return fatal or end != "steady sliding"
+        return size is not None and 0 < size < math.inf
+    return end != "steady sliding" or (size is not None and math.isfinite(size))
 
 
 def _verdict(found: Found, spread: Uncertainty, cases: Cases, worst_motion: AssessedMotion, started: Starting) -> str:

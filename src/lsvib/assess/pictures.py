@@ -31,13 +31,13 @@ _COLOURS = {
     "thread_contact": style.GREY,
 }
 _NAMES = {kind: MECHANISMS[kind][0].lower() if kind in MECHANISMS else kind.replace("_", " ") for kind in KINDS}
-_SETTINGS = {"svg.hashsalt": "lsvib", "svg.fonttype": "path", "axes.formatter.limits": (-4, 5)}
+_SETTINGS: dict[Any, Any] = {"svg.hashsalt": "lsvib", "svg.fonttype": "path", "axes.formatter.limits": (-4, 5)}
 
 
 def embedded(draw: Callable[..., Figure], *arguments: Any) -> str:
     """Return what ``draw`` draws as a data URI of an SVG; equal drawings give equal text."""
     with matplotlib.rc_context(_SETTINGS):
-        figure = style.styled(lambda _: draw(*arguments))(None)
+        figure = style.styled(draw)(*arguments)
         stream = io.BytesIO()
         with matplotlib.rc_context({**_SETTINGS, "font.family": "DejaVu Sans"}):
             figure.savefig(stream, format="svg", metadata={"Date": None})

@@ -72,19 +72,18 @@ class Thread(Part):
     )
 
     def _misfit(self) -> str | None:
-        pitched = self.pitch is not None or (self.lead is not None and "starts" in self.model_fields_set)
-        if self.nominal_diameter is not None and not pitched:
-            return (
-                "thread.nominal_diameter needs thread.pitch, or thread.starts beside thread.lead, from which the pitch "
-                "diameter follows."
-            )
-        twice = None not in (self.lead, self.pitch) and "starts" in self.model_fields_set
+        lead, pitch, counted = self.lead, self.pitch, "starts" in self.model_fields_set
         # One per cent is more than sizes in inches lose when they are written in millimetres.
-        if twice and abs(self.lead.nominal / (self.starts * self.pitch.nominal) - 1) > 0.01:
+        if lead and pitch and counted and abs(lead.nominal / (self.starts * pitch.nominal) - 1) > 0.01:
             return "thread.lead is not thread.starts times thread.pitch; leave one of them out."
         if self.nominal_diameter is not None:
-            pitch = self.pitch.high if self.pitch is not None else self.lead.high / self.starts
-            if not self.nominal_diameter.low > 0.5 * pitch:
+            largest = pitch.high if pitch else lead.high / self.starts if lead and counted else None
+            if largest is None:
+                return (
+                    "thread.nominal_diameter needs thread.pitch, or thread.starts beside thread.lead, from which the "
+                    "pitch diameter follows."
+                )
+            if not self.nominal_diameter.low > 0.5 * largest:
                 return "thread.nominal_diameter is not above half the pitch, so there is no pitch diameter."
         return None
 

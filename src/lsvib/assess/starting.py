@@ -6,6 +6,7 @@ The motions are those of :mod:`lsvib.stability.starting`, at the ends of the ran
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise, product
 from typing import Any
 
@@ -105,7 +106,7 @@ def starting(draw: Draw, starts: Starts, draws: Iterable[Draw] = (), ends: Itera
         return starts.evenly(own.at(place[0], speed, place[1]), stiff)
 
     often = {at: sum(asked(at, speed, stiff=True) is False for speed in window) for at in all_places}
-    found = {at: even_from(lambda speed, at=at: asked(at, speed, stiff=True), tried, high) for at in all_places}
+    found = {at: even_from(partial(asked, at, stiff=True), tried, high) for at in all_places}
     worst = max(all_places, key=lambda at: (often[at], found[at] or 0.0))
     # The whole drive is asked at the worst place of the rigid one, and at the lowest speed everywhere.
     points = [*product([worst], window), *((at, low) for at in all_places)]
@@ -141,7 +142,8 @@ def _cause(there: Operation, starts: Starts) -> str:
 def speeds(draw: Draw) -> list[float]:
     """The speeds of the screw [rad/s] at which a drive is started: the ends and the middle of its window."""
     low, high = draw.values["speed_low"], draw.values["speed_high"]
-    return np.unique([low, math.sqrt(low * high), high]).tolist()
+    found: list[float] = np.unique([low, math.sqrt(low * high), high]).tolist()
+    return found
 
 
 def places(draw: Draw) -> list[Place]:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import binomtest, qmc, sobol_indices, uniform
+from scipy.stats import binomtest, qmc, sobol_indices, uniform  # type: ignore[import-untyped]
 
 from lsvib.assess.operation import Draw
 from lsvib.assess.sheet import Sheet
@@ -101,7 +101,7 @@ def study(sheet: Sheet, samples: int, seed: int) -> Uncertainty:
 
 def _probability(hits: NDArray[np.bool_]) -> Probability:
     """A share with the interval of Clopper and Pearson (docs/assess.md); 0 or 1 if nothing is uncertain."""
-    count = np.count_nonzero(hits)
+    count = int(np.count_nonzero(hits))
     share = count / hits.size
     interval = _ends(count, hits.size, 0.95) if hits.size > 1 else (share, share)
     return Probability(share, interval)
@@ -167,8 +167,8 @@ def ends(sheet: Sheet, most: int = BLOCK) -> NDArray[np.float64]:
     """Return the corners (d, n) of the unit cube of the uncertain entries, ``most`` of them, a power of two."""
     size = len(sheet.random)
     if 2**size <= most:
-        return (np.arange(2**size) >> np.arange(size)[:, None]) % 2.0
-    return np.round(qmc.Sobol(size, scramble=True, rng=size).random(most).T)
+        return np.asarray((np.arange(2**size) >> np.arange(size)[:, None]) % 2, dtype=float)
+    return np.asarray(np.round(qmc.Sobol(size, scramble=True, rng=size).random(most).T))
 
 
 def worst_cases(sheet: Sheet, lowest: Mapping[str, NDArray[np.float64]]) -> dict[str, WorstCase]:

@@ -140,6 +140,7 @@ def _shown(
             break
         later = dict(zip(names, late[-1].tolist(), strict=True))
     else:
+        assert orbit is not None
         start = dict(zip(names, orbit.at([0.5 * end.period])[0][0].tolist(), strict=True))
         motion = follow(automaton, definition.initial_state(drive, start), span)
     times = np.linspace(0.0, span, _SAMPLES + 1)
@@ -216,9 +217,9 @@ def tolerated_by_trial(drive: Drive, stiff: float | None, parts: Parts = ("threa
         state = definition.initial_state(drive, {"u": 0.0, "w": speed})
         return plain(steady_state(automaton, state, max_events=_WORK_OF_MANY // 3).label)
 
-    known = stiff is not None and 0 < stiff < math.inf
-    scale = stiff if known else abs(drive.input_speed)
-    compared = known and parts == ("threads",)  # which is all that the other drive does not have
+    known = stiff if stiff is not None and 0 < stiff < math.inf else None
+    scale = known or abs(drive.input_speed)
+    compared = known is not None and parts == ("threads",)  # which is all that the other drive does not have
     tried = TOLERATED["tried_threads" if threads else "tried"]
     if compared:
         tried = f"{tried} {TOLERATED['beside'].format(size=shown(stiff, 'rad/s'))}"
@@ -227,8 +228,8 @@ def tolerated_by_trial(drive: Drive, stiff: float | None, parts: Parts = ("threa
         automaton = automaton_of(drive)
         slightest = ends(NUDGE**2 * scale)
         if slightest != "steady sliding":  # without damping it neither comes back nor vibrates more and more
-            known = slightest not in ("neutral family", "unresolved")
-            return (0.0, TOLERATED["unstable"].format(threads=threads)) if known else (None, "")
+            known = 0.0 if slightest not in ("neutral family", "unresolved") else None
+            return known, "" if known is None else TOLERATED["unstable"].format(threads=threads)
         sizes = [scale * part for part in (0.1, 0.25, 0.5, 0.75, 0.95, 1.2, 2.0, 5.0)]
         while sizes[-1] < STRONG * abs(drive.input_speed):
             sizes.append(2 * sizes[-1])

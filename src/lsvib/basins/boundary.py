@@ -65,7 +65,8 @@ class Basin:
     def flow(self) -> Flow:
         """The flow table to which the arcs refer: that of the drive's automaton, backwards in time under a law."""
         law = friction.depends_on_speed(self.drive)
-        return (backward_under_law(self.drive) if law else rigid_automaton(self.drive)).tables.flow
+        flow: Flow = (backward_under_law(self.drive) if law else rigid_automaton(self.drive)).tables.flow
+        return flow
 
     def contains(self, state: ArrayLike) -> bool:
         """Whether the motion from ``state`` (u [rad], w [rad/s]) settles; on the boundary itself either answer."""

@@ -94,7 +94,7 @@ def _watching(flow: Flow, row: np.ndarray) -> Automaton:
     count = len(flow if isinstance(flow, np.ndarray) else flow.push)
     each, none, bounds = np.arange(count), np.zeros(count, dtype=np.int64), np.arange(count + 1)
     tables = Tables(
-        flow=flow,  # type: ignore[arg-type]
+        flow=flow,
         surfaces=row[None], snap=np.array([int(abs(row[1]) > abs(row[0]))]), guard_start=bounds,
         guard_surface=none, guard_sign=np.ones(count), guard_transition=each, guard_parts=np.empty((count, 0)),
         transition_reset=none - 1, resets=np.empty((0, 2, 3)), branch_start=bounds, branch_mode=each,

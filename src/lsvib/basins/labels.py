@@ -11,7 +11,7 @@ wider than rounding, are unresolved.
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 from heapq import heappop, heappush
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -323,7 +323,7 @@ def _trap(automaton: Automaton, mode: int, size: np.ndarray) -> tuple[float, flo
         return kappa**2, radius**2, max(radius, _ON_CYCLE * size[1]) ** 2
 
 
-def find_sections(automaton: Automaton, known: Known) -> list[Section]:
+def find_sections(automaton: Automaton, known: Any) -> list[Section]:  # Known, or Pieces of a law
     """Return the modes of slip with the surfaces on which events enter them."""
     tables, found = automaton.tables, set()
     for transition in np.flatnonzero(known.landing >= 0):

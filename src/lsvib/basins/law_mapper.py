@@ -122,7 +122,8 @@ class DividedSections:
         same, (outcome, number) = (line.found[:-1] == line.found[1:]).all(axis=1), line.found[1:, :2].T
         # In vain where the mode is not entered, or left at once, and where its next event has no place.
         wide &= ~(same & ((outcome != LEAVES) | (number % 2 == 1)))
-        return 0.5 * (line.points[:-1] + line.points[1:])[wide]
+        middles: np.ndarray = 0.5 * (line.points[:-1] + line.points[1:])[wide]
+        return middles
 
     def _label(self) -> None:
         """Label the intervals that their next event takes to one label, until nothing changes."""

@@ -16,7 +16,7 @@ from dataclasses import replace
 from flint import arb
 
 from lsvib.engine.automaton import Automaton, Branch, Guard, Mode, Surface, Transition, assemble
-from lsvib.engine.exact.arithmetic import many_digits
+from lsvib.engine.exact.arithmetic import Row, many_digits
 from lsvib.engine.exact.modal_form import eigenform, oscillator
 from lsvib.engine.kernels.layout import Test
 from lsvib.errors import InputError
@@ -102,7 +102,7 @@ def backward_under_law(drive: Drive) -> Automaton:
     return assemble(**layout)
 
 
-def _seizures(q_row, touch: arb) -> dict[str, Transition]:
+def _seizures(q_row: Row, touch: arb | None) -> dict[str, Transition]:
     """Transitions for Γ₊ ≤ 0: from θ′ = 0 to the state of Q = 0 in which the seizure began."""
     (q_u, q_w, q_0), forward = q_row, MotionMode.SLIP_FORWARD_NEGATIVE.name
     nothing = Branch("beginning", Event.SEIZURE)

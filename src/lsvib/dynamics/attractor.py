@@ -29,7 +29,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import IntEnum, StrEnum
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -81,7 +81,7 @@ _MEANT = {
     UndecidedError: Doubt.WORK_BUDGET,
     WorkSpentError: Doubt.EVENT_BUDGET,
 }
-_UNRESOLVED = {
+_UNRESOLVED: dict[int, Doubt] = {
     Outcome.SPENT: Doubt.EVENT_BUDGET,
     Outcome.SPENT_STEADILY: Doubt.RECURRENT,
     Outcome.SEARCH_SPENT: Doubt.WORK_BUDGET,
@@ -249,7 +249,7 @@ def sticking_codes(automaton: Automaton) -> tuple[int, ...]:
     return (*automaton.rest_codes, *automaton.held_codes)
 
 
-def conserves(automaton: Automaton) -> np.ndarray:
+def conserves(automaton: Automaton) -> Any:
     """Whether all modes in motion preserve areas or volumes, because nothing damps; of many drives for each (k)."""
     flow, moves = automaton.tables.flow, ~np.isin(automaton.codes, automaton.rest_codes)
     if isinstance(flow, layout.TaylorFlow):
@@ -306,7 +306,8 @@ def _equilibrium(automaton: Automaton, mode: int, states: int) -> np.ndarray:
     try:
         return np.linalg.solve(matrix, -constant)
     except np.linalg.LinAlgError:
-        return np.linalg.lstsq(matrix, -constant)[0]
+        nearest: np.ndarray = np.linalg.lstsq(matrix, -constant)[0]
+        return nearest
 
 
 def _oscillation(automaton: Automaton, mode: int, state: np.ndarray, frequency: float) -> SteadyState:

@@ -171,7 +171,8 @@ class Shooting:
             for base in (shot, self.at(shot.z + along)):
                 there = None if base is None else self.at(base.z + along, settled=True)
                 if base is not None and there is not None and alike(base.motion.automaton, there.motion.automaton):
-                    return variations(base.motion, there.motion.automaton, step)[:, -1] / self.units.size
+                    found: np.ndarray = variations(base.motion, there.motion.automaton, step)[:, -1] / self.units.size
+                    return found
         return None
 
     def solved(
@@ -183,16 +184,18 @@ class Shooting:
         ``wanted``: the itinerary that it is to have.
         """
         row = np.eye(guess.size)[-1] if across is None else across
-        z, last, before, strays, stalls = guess.copy(), math.inf, None, 0, 0
+        before: Shot | None = None
+        z, last, strays, stalls = guess.copy(), math.inf, 0, 0
         for steps in range(10):  # most starts need four
             shot = self.at(z)
             if shot is None:
                 return None
             gap, matrix = self.gap(shot), self.slopes(shot, slope)
-            step = z - before.z if before is not None and before.itinerary == shot.itinerary else np.zeros(z.size)
-            if abs(step[-1]) > max(CLOSE, 0.1 * np.abs(step).max()):
-                slope = (gap - self.gap(before) - matrix[:, :-1] @ step[:-1])[:-1] / step[-1]
-                matrix[:-1, -1] = slope
+            if before is not None and before.itinerary == shot.itinerary:
+                done = z - before.z
+                if abs(done[-1]) > max(CLOSE, 0.1 * np.abs(done).max()):
+                    slope = (gap - self.gap(before) - matrix[:, :-1] @ done[:-1])[:-1] / done[-1]
+                    matrix[:-1, -1] = slope
             step = newton_step(np.vstack([matrix, row]), -np.append(gap, row @ (z - guess)))
             if step is None:
                 return None

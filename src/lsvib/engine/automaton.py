@@ -4,20 +4,18 @@ Every number may be a ball (``flint.arb``); it is rounded to double once, here. 
 numbers of many drives; then all tables of doubles have one more axis, the first, for the drives.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence, Sized
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from flint import arb
 
-from lsvib.engine.exact.arithmetic import double, doubles, many_digits
+from lsvib.engine.exact.arithmetic import Number, Row, double, doubles, many_digits
 from lsvib.engine.exact.modal_form import guard_forms, modal_flow
 from lsvib.engine.exact.taylor_form import TaylorMode, eta, taylor_flow
 from lsvib.engine.kernels.layout import Tables, Test
 from lsvib.errors import EngineError
-
-Row = Sequence[arb | np.ndarray | float | int]
 
 # Part of a drive's shortest time scale below which a stay counts as short: some hundred roundings of a time.
 SHORT_STAY = 1e-13
@@ -122,7 +120,7 @@ def affine(rows: np.ndarray, states: np.ndarray) -> np.ndarray:
     return np.asarray(np.einsum("ki,ki->k", rows[:, :-1], states) + rows[:, -1])
 
 
-def _guard_parts(exact: tuple[arb, arb, arb] | None, row: Row) -> tuple:
+def _guard_parts(exact: tuple[arb, arb, arb] | None, row: Row) -> Row:
     """The guard at the equilibrium of its mode, and along either eigenvector (1, r): differences that may cancel."""
     if exact is None:
         return 0, 0, 0
@@ -132,17 +130,17 @@ def _guard_parts(exact: tuple[arb, arb, arb] | None, row: Row) -> tuple:
 
 def _flow_and_guards(modes: Sequence[Mode], surfaces: dict[str, Surface]) -> tuple[Any, np.ndarray]:
     """Return the flow table of modes, of the kind of their flows, and the table ``guard_parts``."""
-    flows, parts = [mode.flow for mode in modes], None
+    flows, parts = [mode.flow for mode in modes], list[Row]()
     with many_digits():
         rows = [[scaled(surfaces[guard.surface].row, guard.sign) for guard in mode.guards] for mode in modes]
         if isinstance(flows[0], np.ndarray):
-            flow = np.stack(np.broadcast_arrays(*flows), axis=-2)  # of one drive or of many
+            flow: Any = np.stack(np.broadcast_arrays(*flows), axis=-2)  # of one drive or of many
             parts = [_guard_parts(mode.exact, row) for mode, own in zip(modes, rows, strict=True) for row in own]
         elif isinstance(flows[0], TaylorMode):
             flow = taylor_flow(flows)
         else:
-            flow, parts = modal_flow(flows), guard_forms(flows, rows)
-    numbers = [x for part in parts or () for x in part]
+            flow, parts = modal_flow(flows), [*(guard_forms(flows, rows) or ())]
+    numbers = [x for part in parts for x in part]
     return flow, doubles(numbers, (sum(map(len, rows)), len(parts[0]) if parts else 0))
 
 
@@ -151,10 +149,10 @@ def assemble(
     surfaces: dict[str, Surface],
     modes: dict[str, Mode],
     transitions: dict[str, Transition],
-    observables: dict[str, dict[str, Row]],
+    observables: Mapping[str, Mapping[str, Row]],
     shortest_stay: Any,
-    parts: dict[str, dict[str, Row]] | None = None,
-    **facts: tuple[int, ...] | bool,
+    parts: Mapping[str, Mapping[str, Row]] | None = None,
+    **facts: Any,
 ) -> Automaton:
     """Lay a model out as tables.
 
@@ -163,7 +161,7 @@ def assemble(
     η times, as those are given; ``facts``, the other attributes of :class:`Automaton`. Branches into modes that the
     model does not have are an error.
     """
-    mode_index = {name: i for i, name in enumerate(modes)}
+    mode_index: dict[str | None, int] = {name: i for i, name in enumerate(modes)}
     surface_index = {name: i for i, name in enumerate(surfaces)}
     transition_index = {name: i for i, name in enumerate(transitions)}
     guards = [guard for mode in modes.values() for guard in mode.guards]
@@ -204,7 +202,7 @@ def assemble(
     )
 
 
-def scaled(row: Row, factor) -> tuple:
+def scaled(row: Row, factor: Number) -> tuple[Any, ...]:
     """Return a row times a number; what is not there stays so."""
     return tuple(factor * x if x.__class__ is not int or x else 0 for x in row)
 
@@ -217,9 +215,9 @@ def _rows(rows: Sequence[Row], n: int, shape: tuple[int, ...] | None = None) -> 
     return table
 
 
-def _integers(values) -> np.ndarray:
+def _integers(values: Iterable[int]) -> np.ndarray:
     return np.array([int(value) for value in values], dtype=np.int64)
 
 
-def _starts(groups) -> np.ndarray:
+def _starts(groups: Iterable[Sized]) -> np.ndarray:
     return np.concatenate([[0], np.cumsum([len(group) for group in groups])]).astype(np.int64)

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from lsvib import numbers
 from lsvib.engine.automaton import Automaton, Branch, Guard, Mode, Surface, Transition, assemble
@@ -65,7 +66,7 @@ class Motion:
     end_mode: int
     end_state: np.ndarray
 
-    def at(self, times) -> tuple[np.ndarray, np.ndarray]:
+    def at(self, times: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
         """Return exact states (k, n) and modes (k) at ascending ``times`` [s] (k); at an event, those after it."""
         times = np.ascontiguousarray(times, dtype=float)
         states = np.empty((times.size, self.start_state.size))
@@ -87,7 +88,7 @@ class Motion:
         return modes, starts, ends, durations
 
 
-def enter(automaton: Automaton, state) -> tuple[int, np.ndarray]:
+def enter(automaton: Automaton, state: ArrayLike) -> tuple[int, np.ndarray]:
     """Return the mode in which a motion from ``state`` (n) starts, and the state; ``InputError`` if not finite."""
     state = np.array(state, dtype=float)
     for name, value in zip(automaton.states, state, strict=True):
@@ -100,7 +101,7 @@ def enter(automaton: Automaton, state) -> tuple[int, np.ndarray]:
 
 def follow(
     automaton: Automaton,
-    state,
+    state: ArrayLike,
     t_end: float,
     *,
     mode: int | None = None,
@@ -155,7 +156,7 @@ def follow(
     _complain(Status(status), end_time, state, most if max_events is None else None)
     columns = [np.concatenate(column) for column in zip(*pieces, strict=True)] if len(pieces) > 1 else pieces[0]
     return Motion(
-        automaton, 0.0, start_mode, start_state, *columns,
+        automaton, 0.0, start_mode, start_state, *Events(*columns),
         status=Status(status), end_time=end_time, end_mode=int(mode), end_state=state,
     )  # fmt: skip
 
@@ -170,8 +171,8 @@ def engine_for(tables: Tables) -> event_loop.Engine:
 
 def new_events(capacity: int, n: int) -> Events:
     """Return room for so many events of a motion with n states, as the event loop writes them."""
-    columns = (np.empty(capacity, dtype=kind) for kind in (float, np.int8, np.int8, np.int64))
-    return Events(*columns, np.empty((capacity, n)), np.empty((capacity, n)))
+    time, kind, sign, mode = (np.empty(capacity, dtype=own) for own in (float, np.int8, np.int8, np.int64))
+    return Events(time, kind, sign, mode, np.empty((capacity, n)), np.empty((capacity, n)))
 
 
 def _complain(status: Status, time: float, state: np.ndarray, most: int | None) -> None:

@@ -138,12 +138,13 @@ def labels(drive: Drive, window: Window, cells: tuple[int, int]) -> np.ndarray:
     u, w = Axis("u", *window[:2], cells[0]), Axis("w", *window[2:], cells[1])
     made, turn = _mapper(drive)
     with turn:
-        return made.cells(Grid(u, w), quantities=("label",))["label"]
+        found: np.ndarray = made.cells(Grid(u, w), quantities=("label",))["label"]
+    return found
 
 
 def rgba(found: np.ndarray) -> np.ndarray:
     """Return labels (rows, columns) as colours (rows, columns) of 32 bits, as a browser takes them; −2 is clear."""
-    return _PALETTE[found.astype(int) + 2]
+    return np.take(_PALETTE, found.astype(int) + 2)
 
 
 def shares(found: np.ndarray) -> dict[Attractor, float]:
@@ -155,7 +156,7 @@ def shares(found: np.ndarray) -> dict[Attractor, float]:
 
 def values_of(view: View, count: int) -> list[float]:
     """Return ``count`` values of the parameter of the amplitude curve."""
-    return (np.geomspace if logarithmic(view) else stepped)(view.low, view.high, count).tolist()
+    return [*map(float, (np.geomspace if logarithmic(view) else stepped)(view.low, view.high, count))]
 
 
 def curves(view: View, values: list[float]) -> list[xr.Dataset]:
@@ -180,7 +181,8 @@ def thresholds_over(view: View) -> dict[str, float]:
     found = {}
     for name in known:
         with suppress(LsvibError):
-            found[name] = view.drive.threshold(name, view.over).value
+            if (value := view.drive.threshold(name, view.over).value) is not None:
+                found[name] = value
     return found
 
 
@@ -197,7 +199,7 @@ def _mapper(drive: Drive) -> tuple[Mapper, Lock]:
 
 # Colours of a map's labels, from −2 (not computed yet) on, as little-endian RGBA; motion and lines show on it.
 _COLOURS = to_rgba_array(["none", *(COLOURS[plain(kind)] for kind in Attractor)], 0.45)
-_PALETTE = np.round(255 * _COLOURS).astype(np.uint8).view(np.uint32)[:, 0]
+_PALETTE: np.ndarray = np.round(255 * _COLOURS).astype(np.uint8).view(np.uint32)[:, 0]
 
 EXPORTS = {"scene.yaml": "application/yaml", "motion.nc": "application/x-netcdf"}
 """Files that can be had of a view, with their media types."""

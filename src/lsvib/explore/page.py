@@ -124,7 +124,7 @@ class Page:
         self._answered = perf_counter()
 
     def _changed(self, asked: Mapping[str, str]) -> View:
-        parameters, changes = {}, {}
+        parameters, changes = dict[str, Any](), dict[str, Any]()
         for key, text in asked.items():
             name = key.removeprefix("slider:")
             if name in self.controls.fields:
@@ -152,7 +152,7 @@ class Page:
                 changes |= chapter.PARTS[part] if part in parts else dict.fromkeys(names)
         changed = drive.replace(**changes)
         over = self.view.over if getattr(changed, self.view.over) is not None else "axial_force"
-        ends = {} if over == self.view.over else around(drive.axial_force)
+        ends: dict[str, Any] = {} if over == self.view.over else around(drive.axial_force)
         return replace(self.view, drive=changed, over=over, **ends)
 
     def _redraw(self, view: View) -> None:
@@ -211,8 +211,8 @@ class Page:
                 count = 1 if answers.at_once(view.drive) else cells[1]  # of strips, the lowest first
                 edges = pairwise(np.linspace(window.bottom, window.top, count + 1).tolist())
                 strips = [Window(window.left, window.right, *pair) for pair in edges]
-                size = cells[0], cells[1] // count
-                labels = np.concatenate([await found(answers.labels, view.drive, strip, size) for strip in strips])
+                part = cells[0], cells[1] // count
+                labels = np.concatenate([await found(answers.labels, view.drive, strip, part) for strip in strips])
                 self._shares = answers.shares(labels)
                 draw(self.plots.draw_map, labels, window)
                 draw(self._say_words)

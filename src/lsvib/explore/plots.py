@@ -143,7 +143,7 @@ class Plots:
         self.friction.x_range.update(start=0.0, end=float(speeds[-1]))
         self.friction.y_range.update(start=0.0, end=1.1 * float(coefficients.max()) or 1.0)
 
-    def _fill(self, source: str, **columns: Sequence[Any]) -> None:
+    def _fill(self, source: str, **columns: Sequence[Any] | np.ndarray) -> None:
         self.sources[source].data = {**_LOOKS[source], **columns}
 
     def draw_map(self, labels: np.ndarray, window: Window) -> None:

@@ -38,7 +38,7 @@ PRINTED = {"color": BLACK, "linewidth": 0.6, "linestyle": (0, (5, 3))}  # a valu
 SINGLE = 3.5  # width of one journal column [inch]
 DOUBLE = 7.2  # width of two columns [inch]
 
-_STYLE = {
+_STYLE: dict[Any, Any] = {
     "font.family": "DejaVu Sans",  # comes with matplotlib, so every machine draws the same
     "font.size": 8,
     "axes.titlesize": 8,
@@ -65,7 +65,7 @@ _LETTERS = {"\\times": "×", "\\Omega": "Ω", "\\lambda": "λ", "\\mu": "μ", "\
 _STATED = re.compile(r"(\S+) \(printed")  # a printed value among assumed ones
 
 
-def styled(draw: Callable[[xr.Dataset], Figure]) -> Callable[[xr.Dataset], Figure]:
+def styled(draw: Callable[..., Figure]) -> Callable[..., Figure]:
     """Decorate a ``draw`` function: it runs in our style, and the caller's matplotlib settings stay as they were."""
     return _look()(draw)
 
@@ -89,7 +89,7 @@ def new_figure(width: float = SINGLE, height: float = 2.8) -> Figure:
     from matplotlib.figure import Figure
 
     figure = FigureCanvasAgg(Figure(figsize=(width, height))).figure
-    figure._repr_png_ = partial(_png, figure)  # by which notebooks show what is none of pyplot's
+    vars(figure)["_repr_png_"] = partial(_png, figure)  # by which notebooks show what is none of pyplot's
     return figure
 
 
@@ -163,7 +163,7 @@ def stated(dataset: xr.Dataset) -> str:
 
 
 def legend(
-    figure: Figure, axes: Sequence[Axes], columns: int, first: Sequence[Any] = (), place: str = "outside upper center"
+    figure: Figure, axes: Sequence[Axes], columns: int, first: Sequence[Any] = (), place: Any = "outside upper center"
 ) -> Figure:
     """Put one legend beside the panels: the ``first`` artists, then what the panels name, each name once."""
     entries = {artist.get_label(): artist for artist in first}

@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 from flint import arb
 
-from lsvib.engine.automaton import Automaton, Branch, Guard, Mode, Row, Transition, assemble
-from lsvib.engine.exact.arithmetic import double, many_digits, sign
+from lsvib.engine.automaton import Automaton, Branch, Guard, Mode, Transition, assemble
+from lsvib.engine.exact.arithmetic import Row, double, many_digits, sign
 from lsvib.engine.exact.taylor_form import Split
 from lsvib.engine.kernels.layout import Test
 from lsvib.errors import InputError

@@ -7,6 +7,7 @@ to 1e-12; the others are made exactly, one by one.
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 
@@ -43,7 +44,8 @@ class ManyDrives:
         """Whether they are rigid drives that turn (k), without friction against the ground, with constant friction."""
         more = [self.values[name] != 0 for name in (*DRY, *friction.OF_SPEED) if name in self.values]
         parts = np.full(self.size, not PART_OF.keys().isdisjoint(self.values))
-        return ~np.any([*more, parts, self.values["input_speed"] == 0], axis=0)
+        plain: np.ndarray = ~np.any([*more, parts, self.values["input_speed"] == 0], axis=0)
+        return plain
 
     def one(self, entry: int) -> Drive:
         """Return one of the drives."""
@@ -123,13 +125,14 @@ def _alike(automaton: Automaton, rough: Automaton) -> np.ndarray:
     if not longer or any(one.shape != other.shape for one, other in pairs):
         return np.zeros(size, dtype=bool)
     held = [np.abs(one - other) <= 1e-9 * np.abs(one) for one, other in pairs]  # what is not a number is not held
-    return np.logical_and.reduce([x.reshape(size, -1).all(axis=1) for x in held])
+    safe: np.ndarray = np.logical_and.reduce([x.reshape(size, -1).all(axis=1) for x in held])
+    return safe
 
 
 def _layered(automaton: Automaton, size: int) -> Automaton:
     """Give the tables that are the same for all drives of a group, being numbers, the axis for the drives, too."""
 
-    def layers(table: np.ndarray, dimensions: int) -> np.ndarray:
+    def layers(table: np.ndarray, dimensions: int) -> Any:
         """Return a table with the axis; ``dimensions`` are those of the table of one drive."""
         if np.ndim(table) > dimensions:
             return np.ascontiguousarray(table)
@@ -153,5 +156,6 @@ def _finite(automaton: Automaton, size: int) -> np.ndarray:
     # the last piece of a friction law has no end
     held += [table for table in flow if table is not flow.pieces] if isinstance(flow, TaylorFlow) else flow
     held += [*automaton.observables.values(), *automaton.parts.values()]
-    found = np.broadcast_to(np.isfinite(automaton.condition), (size,))
-    return np.logical_and.reduce([found, *(np.isfinite(table).reshape(size, -1).all(axis=1) for table in held)])
+    found: np.ndarray = np.broadcast_to(np.isfinite(automaton.condition), (size,))
+    found = np.logical_and.reduce([found, *(np.isfinite(table).reshape(size, -1).all(axis=1) for table in held)])
+    return found

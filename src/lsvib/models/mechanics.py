@@ -14,8 +14,8 @@ from typing import Any, Self
 import numpy as np
 from flint import arb
 
-from lsvib.engine.automaton import Row, scaled
-from lsvib.engine.exact.arithmetic import added, many_digits, multiplied, nothing, root, sign
+from lsvib.engine.automaton import scaled
+from lsvib.engine.exact.arithmetic import Row, added, many_digits, multiplied, nothing, root, sign
 from lsvib.models import friction
 from lsvib.models.drive import PARTS, Drive, once, require_direction
 from lsvib.models.names import BODIES

@@ -45,8 +45,8 @@ from typing import Any
 
 import numpy as np
 
-from lsvib.engine.automaton import Row, scaled
-from lsvib.engine.exact.arithmetic import added, double, doubles, many_digits, nothing, root, sign
+from lsvib.engine.automaton import scaled
+from lsvib.engine.exact.arithmetic import Row, added, double, doubles, many_digits, nothing, root, sign
 from lsvib.models import mechanics
 from lsvib.models.drive import PARTS, Drive
 from lsvib.models.mechanics import plus, solved, together
@@ -86,7 +86,7 @@ class Mechanism:
     they have neither friction nor a force to carry, as those of a body behind a spring, so that n is not felt.
     """
 
-    def __init__(self, d: Any, parts: Iterable[str], slowest: Any, command: tuple[float, float] | None = None) -> None:
+    def __init__(self, d: Any, parts: Iterable[str], slowest: Any, command: tuple[Any, Any] | None = None) -> None:
         self.d, self.slowest, self.command = d, slowest, command
         self.parts = tuple(part for part in COORDINATES if part == "screw" or part in parts)
         self.states = tuple(chain.from_iterable(COORDINATES[part] for part in self.parts))
@@ -233,7 +233,7 @@ class Mechanism:
         own = {name: {name: 1} for name in held}
         torque = plus(self.coupling_torque(rates), scaled(rates["screw"], -d.support_damping))
         push = plus(self.constant(d.axial_force), scaled(travel, -d.translation_damping))
-        forces = {
+        forces: dict[str, Row] = {
             "screw": plus(torque, dry.get("bearing", self.constant(0))),
             "load": plus(push, dry.get("slide", self.constant(0))),
         }
@@ -247,7 +247,7 @@ class Mechanism:
         left = self._inertias(moved)
         left["screw"] |= own.get("bearing", {})
         left["load"] |= own.get("slide", {})
-        equations = [(left[body], forces[body]) for body in left]
+        equations: list[tuple[Mapping[str, Any], Row]] = [(left[body], forces[body]) for body in left]
         equations += self._threads(law, mu, rates)
         equations += [({"screw": 1} if name == "bearing" else moved, self.constant(0)) for name in held]
         found = solved(equations)

@@ -30,19 +30,8 @@ from typing import Any
 
 import numpy as np
 
-from lsvib.engine.automaton import (
-    SHORT_STAY,
-    Automaton,
-    Branch,
-    Guard,
-    Mode,
-    Row,
-    Surface,
-    Transition,
-    assemble,
-    scaled,
-)
-from lsvib.engine.exact.arithmetic import double, place_of_largest, sign
+from lsvib.engine.automaton import SHORT_STAY, Automaton, Branch, Guard, Mode, Surface, Transition, assemble, scaled
+from lsvib.engine.exact.arithmetic import Row, double, place_of_largest, sign
 from lsvib.engine.exact.modal_form import linear_mode
 from lsvib.engine.exact.taylor_form import still_mode
 from lsvib.engine.kernels.layout import Test

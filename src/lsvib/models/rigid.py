@@ -105,7 +105,8 @@ class RigidBuild:
             self.flows[s] = oscillator(*terms), eigenform(*terms)
         self.turning, force = sign(d.input_speed), sign(d.axial_force)
         self.same = d.static_friction is d.steady_friction  # rest then holds as much as sliding carries
-        self.xi_rest, self.gamma_rest = (c.xi, c.gamma) if self.same else by_law(d, d.static_friction)[:2]
+        rest = (c.xi, c.gamma) if self.same else by_law(d, d.static_friction)
+        self.xi_rest, self.gamma_rest = rest[0], rest[1]
         upper, lower = (1, -1) if force >= 0 else (-1, 1)
         self.above, self.below = self._torque_above(upper, True), scaled(self._torque_above(lower, True), -1)
         self.band_end = scaled(self.above if self.turning > 0 else self.below, -1)
@@ -149,7 +150,7 @@ class RigidBuild:
             contracts=self.contracts(),
         )
 
-    def _torque_above(self, law: int, at_rest: bool) -> tuple:
+    def _torque_above(self, law: int, at_rest: bool) -> tuple[Any, ...]:
         """(T_r − r_m ξ R) / k [rad] under a law, static or sliding; k z_0 is inserted: nothing cancels."""
         c, d = self.c, self.d
         steady = (c.damping[c.steady_law] * d.input_speed) / d.coupling_stiffness
@@ -220,7 +221,7 @@ class RigidBuild:
         if rest:
             yield from self._stop()
 
-    def _q_rate(self) -> tuple:
+    def _q_rate(self) -> tuple[Any, ...]:
         flow, q = self.flows[1][0], self.c.q_row
         a0, a1, b = flow[..., layout.A0], flow[..., layout.A1], flow[..., layout.B]
         q_u, q_w = double(q[0]), double(q[1])
@@ -277,7 +278,7 @@ class RigidBuild:
             Branch("rest", stays, (), impulse),
         )
 
-    def observables(self, modes: Iterable[str]) -> dict[str, dict[str, tuple]]:
+    def observables(self, modes: Iterable[str]) -> dict[str, dict[str, tuple[Any, ...]]]:
         """Rows of the observables by name and mode."""
         c, d, stiffness, z0 = self.c, self.d, self.d.coupling_stiffness, self.c.deflection
         lever = stiffness * d.sin_lead / d.pitch_radius

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from lsvib.engine.automaton import Branch, Guard, Mode, Surface, Transition, scaled
-from lsvib.engine.exact.arithmetic import Divided, double, doubles, many_digits, sign
+from lsvib.engine.exact.arithmetic import Divided, Row, double, doubles, many_digits, sign
 from lsvib.engine.exact.taylor_form import settled_region
 from lsvib.engine.kernels.layout import CONSTANT, EXPONENT, FADE, LINEAR, PIECE, RISE, TO, Test
 from lsvib.models import friction
@@ -86,7 +86,8 @@ def critical_coefficient(inertia: Any, d: Any, mass: Any) -> float:
         heavy = turned - inertia
         if sign(heavy, "mass") <= 0:
             return math.inf
-        return double((inertia + turned * d.tan_lead**2) / (heavy * d.tan_lead))
+        found: float = double((inertia + turned * d.tan_lead**2) / (heavy * d.tan_lead))
+        return found
 
 
 def _turning_speeds(drive: Any) -> list[float]:
@@ -101,7 +102,7 @@ def _turning_speeds(drive: Any) -> list[float]:
 
     def falls(x: float) -> bool:
         """Whether friction falls at a sliding speed of so many Stribeck speeds."""
-        return 2 * x * math.exp(-x * x) > steep
+        return bool(2 * x * math.exp(-x * x) > steep)
 
     if not falls(crest):
         return []
@@ -109,7 +110,7 @@ def _turning_speeds(drive: Any) -> list[float]:
 
 
 def _mu(drive: Any, speed: float) -> float:
-    return max(unbounded_coefficient(drive, speed), 0.0)
+    return float(max(unbounded_coefficient(drive, speed), 0.0))
 
 
 def _root(drive: Any, level: float, low: float, high: float) -> float:
@@ -146,13 +147,13 @@ def divided(
             transitions[key] = replace(transition, branches=branches)
 
 
-def _halves(branch: Branch, name: str, slow: str, deviation: tuple) -> Iterator[Branch]:
+def _halves(branch: Branch, name: str, slow: str, deviation: Row) -> Iterator[Branch]:
     if branch.mode == name:
         yield replace(branch, conditions=(*branch.conditions, (deviation, Test.POSITIVE)))
         branch = replace(branch, mode=slow)
     yield branch
 
 
-def speed_row(direction: int, speed: tuple, d: Any) -> tuple:
+def speed_row(direction: int, speed: Row, d: Any) -> tuple[Any, ...]:
     """Return the row of the sliding speed [m/s] in a direction ±1, from that of the angular speed [rad/s]."""
     return scaled(speed, direction * d.pitch_radius / d.cos_lead)

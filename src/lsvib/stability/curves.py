@@ -10,10 +10,11 @@ through one side is missed.
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from enum import IntEnum
 from functools import cache, lru_cache
 from itertools import product
+from typing import Any
 
 import numpy as np
 from contourpy import contour_generator
@@ -76,13 +77,13 @@ def boundary_curves(drive: Drive, x: AxisSpan, y: AxisSpan) -> dict[ChartBoundar
         values = np.array([[[function(a, b) for function in own.values()] for a in nodes[0]] for b in nodes[1]])
         for place, (kind, function) in enumerate(own.items()):
             bisected = kind is ChartBoundary.EVEN_SPEED  # each step gains one bit only
-            if lines := contour(function, *nodes, values[..., place], 1e-9 if bisected else _ROUNDED):
+            if lines := contour(function, nodes[0], nodes[1], values[..., place], 1e-9 if bisected else _ROUNDED):
                 found[kind] = lines
     return dict(sorted(found.items()))
 
 
 def contour(
-    function: PlaneFunction, x: Sequence[float], y: Sequence[float], values: np.ndarray, tolerance: float = _ROUNDED
+    function: PlaneFunction, x: np.ndarray, y: np.ndarray, values: np.ndarray, tolerance: float = _ROUNDED
 ) -> list[np.ndarray]:
     """Return the lines on which a function of x and y vanishes, each as points (k, 2).
 
@@ -102,7 +103,7 @@ def contour(
 
     # Of the values the signs alone, so that the lines cross every side in its middle, and it is known which one.
     signs = np.ma.masked_array(np.where(values > 0, 1.0, -1.0), mask=~np.isfinite(values))
-    lines = contour_generator(z=signs, name="serial", corner_mask=False).lines(0.0)
+    lines: Any = contour_generator(z=signs, name="serial", corner_mask=False).lines(0.0)
     return [np.array([root(i, j) for i, j in line.tolist()]) for line in lines]
 
 

@@ -67,7 +67,7 @@ class Slip:
         self.turns = bool(constant(self.square) > 0)
 
     @property
-    def beta(self) -> arb:
+    def beta(self) -> Any:
         """Imaginary part of the rates [1/s] if slip turns, else half of their distance."""
         return (self.square if self.turns else -self.square).sqrt()
 
@@ -232,7 +232,7 @@ def slowest_point(drive: SlipDrive) -> tuple[arb, int, tuple[arb, arb, arb]]:
     def time_below(slope: arb) -> arb:
         """Time after which a motion that leaves Q = 0 downwards with a slope comes back."""
 
-        def balance(logit: arb) -> arb:
+        def balance(logit: arb) -> Any:
             c, s, _ = minus.responses(short_time(logit))
             rise, fall = heights[-1] * (1 - c), -slope * s
             return (rise - fall) / (rise + fall)
@@ -244,7 +244,7 @@ def slowest_point(drive: SlipDrive) -> tuple[arb, int, tuple[arb, arb, arb]]:
         found: arb = short_time(bracketed_root(balance, low, high, CLOSE))
         return found
 
-    def excess(logarithm: arb) -> arb:
+    def excess(logarithm: arb) -> Any:
         leaves, comes = half_return(plus, heights[1], turn + logarithm.exp() / plus.beta)
         _, again = half_return(minus, heights[-1], time_below(comes))
         return (again - leaves) / (abs(again) + abs(leaves))
@@ -262,6 +262,6 @@ def slowest_point(drive: SlipDrive) -> tuple[arb, int, tuple[arb, arb, arb]]:
     for law, time in zip((1, -1), times, strict=True):
         slip, height = drive.slip(law), drive.inertia[law]
         y, w = leaving(slip, drive.contact, height, half_return(slip, height, time)[0])
-        instants = [arb(0), *takewhile(lambda at, end=time: at < end, slip.stationary(y, w, (0, 1)))]
+        instants = [arb(0), *takewhile(time.__gt__, slip.stationary(y, w, (0, 1)))]
         slowest += [(slip.state(y, w, at)[1], law, (*times, at)) for at in instants]
     return min(slowest, key=lambda point: point[0])

@@ -17,6 +17,7 @@ from lsvib.errors import EngineError
 DIGITS = 150  # with rates thirty decades apart, a product of four of their differences leaves 30 digits
 
 Number = Any  # arb, arb_series, an array of doubles, or a float or int
+Row = Sequence[Number]  # an affine function of the state, the constant last
 _precision = RLock()  # FLINT has one precision for all threads
 
 

@@ -6,12 +6,12 @@ The characteristic polynomial is split into factors of degree one or two, with a
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from flint import acb, arb, arb_mat, arb_poly, fmpq_poly
 
-from lsvib.engine.exact.arithmetic import ball
+from lsvib.engine.exact.arithmetic import Row, ball
 
 WORST_CONDITION = 1e6  # rounding grows by so much at most: 1e-9 of the sizes of the coordinates
 # Relative sizes that only the rounding of coefficients of 50 digits can have: of a rate, and of the distance of two
@@ -20,8 +20,6 @@ _NOTHING, _SAME = 1e-40, 1e-24
 _LEFT = 1e-35  # of the terms of a product of projectors that is zero: rounding
 SLOW = 10  # a single rate that is so many times smaller than all larger ones may have its equilibrium far away
 APART = 0.25  # relative distance of two real rates from which on each is carried alone
-
-Rows = Sequence[Sequence[arb | float | int]]
 
 
 @dataclass(frozen=True)
@@ -32,12 +30,12 @@ class Field:
     coordinates that do not change in the mode, with their values.
     """
 
-    rows: Rows
+    rows: Sequence[Row]
     sizes: np.ndarray
     kept: Mapping[int, arb | float]
 
     @classmethod
-    def of(cls, rows: Rows, sizes: Sequence[float], kept: Mapping[int, arb | float] | None = None) -> "Field":
+    def of(cls, rows: Sequence[Row], sizes: Sequence[float], kept: Mapping[int, arb | float] | None = None) -> "Field":
         """Make a field; a size that has underflown is the least double."""
         positive = np.maximum(np.asarray(sizes, dtype=float), np.finfo(float).tiny)
         return cls(tuple(tuple(row) for row in rows), positive, dict(kept or {}))
@@ -64,7 +62,8 @@ def amplification(out: np.ndarray, into: np.ndarray, sizes: np.ndarray) -> np.nd
     """
     given = np.append(sizes, np.ones((*sizes.shape[:-1], 1)), axis=-1)[..., None]
     with np.errstate(all="ignore"):
-        return ((np.abs(out) @ (np.abs(into) @ given))[..., 0] / sizes).max(axis=-1)
+        found: np.ndarray = ((np.abs(out) @ (np.abs(into) @ given))[..., 0] / sizes).max(axis=-1)
+    return found
 
 
 class Subspace(NamedTuple):
@@ -86,7 +85,7 @@ def rates_of(matrix: arb_mat) -> list[acb]:
     They are those of the midpoint of its characteristic polynomial, whose roots FLINT isolates exactly; a coefficient
     that holds zero is zero, so that several rates of zero stay together.
     """
-    exact = fmpq_poly([0 if x.contains(0) else x.mid().fmpq() for x in matrix.charpoly().coeffs()])
+    exact: Any = fmpq_poly([0 if x.contains(0) else x.mid().fmpq() for x in matrix.charpoly().coeffs()])
     return [acb(root.real.mid(), root.imag.mid()) for root, count in exact.complex_roots() for _ in range(int(count))]
 
 
@@ -144,7 +143,7 @@ def _projector(matrix: arb_mat, factors: list[list[arb]], k: int) -> arb_mat:
     return _polynomial([-a / norm, (b - a * a1) / norm], matrix) * others
 
 
-def _polynomial(coefficients: list, matrix: arb_mat) -> arb_mat:
+def _polynomial(coefficients: Row, matrix: arb_mat) -> arb_mat:
     found = arb_mat(matrix.nrows(), matrix.nrows())
     for coefficient in coefficients:
         found = found * matrix + identity(matrix.nrows()) * arb(coefficient)

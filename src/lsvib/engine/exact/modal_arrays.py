@@ -95,8 +95,8 @@ def modal_modes(rows: Sequence[Sequence[Any]], sizes: Sequence[Any], kept: Mappi
         exact[:, i, n] = value
     condition = amplification(exact.astype(float)[..., :-1], to_modal, size.astype(float))
     condition[~(safe & held & (condition < WORST_CONDITION))] = np.inf
-    tables = to_modal, exact.astype(float), field.astype(float)
-    return ModalModes(ModalFlow(pairs, count - 2 * pairs, oscillators, *singles, *tables), condition, exact, count)
+    tables = *singles, to_modal, exact.astype(float), field.astype(float)
+    return ModalModes(ModalFlow(pairs, count - 2 * pairs, oscillators, *tables), condition, exact, count)
 
 
 def _eigenvectors(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:

@@ -20,8 +20,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from flint import arb, arb_mat
 
-from lsvib.engine.exact.arithmetic import alike, ball, doubles, many_digits, real_rates, root, sign
-from lsvib.engine.exact.field import WORST_CONDITION, Field, Rows, Subspace, amplification, subspaces
+from lsvib.engine.exact.arithmetic import Number, Row, alike, ball, doubles, many_digits, real_rates, root, sign
+from lsvib.engine.exact.field import WORST_CONDITION, Field, Subspace, amplification, subspaces
 from lsvib.engine.exact.modal_arrays import ModalModes, guard_columns, modal_modes
 from lsvib.engine.kernels import layout
 from lsvib.engine.kernels.layout import ModalFlow
@@ -75,7 +75,7 @@ def modal_mode(field: Field) -> ModalMode:
     return mode
 
 
-def oscillator(inertia, damping, stiffness, force) -> np.ndarray:
+def oscillator(inertia: Number, damping: Number, stiffness: Number, force: Number) -> np.ndarray:
     """Row of the flow table of  inertia·u″ + damping·u′ + stiffness·u = force  (any consistent units, inertia ≠ 0).
 
     The characteristic roots are formed in balls, free of cancellation.
@@ -100,7 +100,7 @@ def oscillator(inertia, damping, stiffness, force) -> np.ndarray:
         return doubles(row, (layout.COUNT,))
 
 
-def eigenform(inertia, damping, stiffness, force) -> tuple[arb, arb, arb] | None:
+def eigenform(inertia: Number, damping: Number, stiffness: Number, force: Number) -> tuple[arb, arb, arb] | None:
     """Equilibrium and real rates r₁ > r₂ of the oscillator of :func:`oscillator`, as balls; None if it has none."""
     with many_digits():
         inertia, damping, stiffness, force = alike(inertia, damping, stiffness, force)
@@ -119,7 +119,7 @@ class _Frame(NamedTuple):
 
 
 @lru_cache(maxsize=8)  # with all frictions the modes of a model have six matrices
-def _spaces(rows: tuple, scale: tuple[float, ...]) -> list[tuple[Subspace, _Frame | None]]:
+def _spaces(rows: tuple[Any, ...], scale: tuple[float, ...]) -> list[tuple[Subspace, _Frame | None]]:
     """Return the subspaces of a matrix, by its rows of midpoints (mantissa, exponent), with the frames of pairs.
 
     Most modes of a model differ from another one by their constants only, so the answers are kept.
@@ -208,7 +208,7 @@ def _dot(left: Sequence[arb], right: Sequence[arb]) -> arb:
     return sum((x * y for x, y in zip(left, right, strict=True)), arb(0))
 
 
-def _floats(numbers: Sequence[arb]) -> np.ndarray:
+def _floats(numbers: Row) -> np.ndarray:
     return np.array([float(x) for x in numbers])
 
 
@@ -228,9 +228,11 @@ def _tables(field: Field, pairs: list[_Piece], singles: list[_Piece]) -> ModalMo
         first += len(piece.into)
     from_modal = np.array([_floats(row) for row in exact])
     condition = float(amplification(from_modal[:, :-1], to_modal, field.sizes))
+    rates, pushes = np.array([single.row for single in singles]).reshape(-1, 2).T.copy()
     return ModalMode(
         np.array([pair.row for pair in pairs]).reshape(-1, layout.COUNT),
-        *np.array([single.row for single in singles]).reshape(-1, 2).T.copy(),
+        rates,
+        pushes,
         to_modal,
         from_modal,
         np.array([_floats(row) for row in field.rows]),
@@ -240,7 +242,7 @@ def _tables(field: Field, pairs: list[_Piece], singles: list[_Piece]) -> ModalMo
 
 
 def linear_mode(
-    rows: Rows, sizes: Sequence[float], frozen: Mapping[int, arb | float] | None, movable: str
+    rows: Sequence[Row], sizes: Sequence[float], frozen: Mapping[int, arb | float] | None, movable: str
 ) -> ModalMode | ModalModes:
     """Return a mode of a model.
 
@@ -260,7 +262,7 @@ def linear_mode(
         ) from None
 
 
-def guard_forms(modes: Sequence[ModalMode], rows: Sequence[Sequence[Sequence]]) -> list[list[float]] | None:
+def guard_forms(modes: Sequence[ModalMode], rows: Sequence[Sequence[Row]]) -> list[list[float]] | None:
     """Return the guards of all modes in modal coordinates (g, q + 1), from their rows (n + 1) of balls by mode.
 
     An entry that the doubles of the tables give to 1e-12 is the one that they give. None if all are so. An entry that

@@ -1,18 +1,16 @@
 """The tables of a mode whose friction depends on the sliding speed, from its fields with two constant coefficients."""
 
+import dataclasses
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
-from lsvib.engine.exact.arithmetic import added, double, doubles, place_of_largest
+from lsvib.engine.exact.arithmetic import Row, added, double, doubles, place_of_largest
 from lsvib.engine.kernels.layout import CONSTANT, EXPONENT, FADE, FROM, LINEAR, PIECE, RISE, TO, TaylorFlow
 
-Row = Sequence[Any]
 
-
-@dataclass(frozen=True)
+@dataclasses.dataclass(frozen=True)
 class TaylorMode:
     """One mode of a :class:`lsvib.engine.kernels.layout.TaylorFlow`: its tables in doubles.
 
@@ -25,7 +23,7 @@ class TaylorMode:
     contact: np.ndarray
     speed: np.ndarray
     feedback: Any = 0.0
-    pieces: np.ndarray = field(default_factory=lambda: np.zeros((0, PIECE)))
+    pieces: np.ndarray = dataclasses.field(default_factory=lambda: np.zeros((0, PIECE)))
     settled: tuple[np.ndarray, np.ndarray, Any] | None = None
     condition: float = 1.0
 
@@ -44,7 +42,7 @@ def still_mode(rows: Sequence[Row]) -> TaylorMode:
     return TaylorMode(table, np.zeros(n), np.zeros(n + 1), np.zeros(n + 1))
 
 
-@dataclass(frozen=True)
+@dataclasses.dataclass(frozen=True)
 class Split:
     """What friction does in a mode, by two constant coefficients, in balls: x′ = P + η d q with η = μ / (1 + B μ).
 
@@ -152,7 +150,8 @@ def settled_region(
 
     def length(row: np.ndarray) -> np.ndarray:
         """Return the largest value of a linear function where yᵀ S y = 1."""
-        return np.sqrt(np.maximum(_dot((row[..., None, :] @ inverse)[..., 0, :], row), 0.0))
+        found: np.ndarray = np.sqrt(np.maximum(_dot((row[..., None, :] @ inverse)[..., 0, :], row), 0.0))
+        return found
 
     falls = np.linalg.eigvals(inverse @ weight).real.min(axis=-1)  # yᵀ W y over yᵀ S y
     away = length(mode.speed[..., :-1])

@@ -8,7 +8,7 @@ table of modes with two states and, without b, the pairs of modes with more stat
 """
 
 from enum import IntEnum
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -130,7 +130,7 @@ class Tables(NamedTuple):
     start into its mode.
     """
 
-    flow: np.ndarray  # (m, columns) coefficients of the linear flow of each mode
+    flow: Any  # (m, columns) coefficients of the linear flow of each mode; a ModalFlow; or a TaylorFlow
     surfaces: np.ndarray  # (s, n + 1) affine functions whose zero sets bound the modes
     snap: np.ndarray  # (s,) the coordinate that is set so that the surface is met to the last bit
     guard_start: np.ndarray  # (m + 1,)
