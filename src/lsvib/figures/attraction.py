@@ -19,7 +19,7 @@ CAPTION = """\
 Regions of attraction: the attractor of the motion from every start, and the time until it is reached as shade, with the
 exact boundary. Sect. 8.7 says only that the region of steady sliding can be quite small.
 """
-COLOURS = {
+COLOURS: dict[str, str] = {
     "steady sliding": style.SKY,
     "stick slip cycle": style.GREEN,
     "sprag slip cycle": style.ORANGE,

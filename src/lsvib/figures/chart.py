@@ -3,6 +3,8 @@
 The rule `chart` of the workflow makes its dataset (:mod:`lsvib.datasets.sweep`).
 """
 
+from typing import Any
+
 import numpy as np
 import xarray as xr
 from pydantic import Field
@@ -57,7 +59,7 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw a sweep over two parameters with its curves."""
     figure = style.new_figure(style.DOUBLE, 4.3)
     axes, found = figure.add_subplot(), kinds(dataset)
-    down, across = found.dims
+    down, across = map(str, found.dims)
     found = found.sortby([down, across])
     for name, scale, limit, say in (
         (across, axes.set_xscale, axes.set_xlim, axes.set_xlabel),
@@ -90,7 +92,7 @@ def _in_ratios(values: np.ndarray) -> bool:
 def _edges(values: np.ndarray) -> np.ndarray:
     """The edges of the cells around values, half way to their neighbours."""
     if _in_ratios(values):
-        return np.exp(_edges(np.log(values)))
+        return np.asarray(np.exp(_edges(np.log(values))))
     half = np.diff(values) / 2 if values.size > 1 else np.array([0.5])
     return np.concatenate([values[:1] - half[:1], values[:-1] + half[: values.size - 1], values[-1:] + half[-1:]])
 
@@ -99,8 +101,8 @@ def _curves(axes: style.Axes, dataset: xr.Dataset, across: str, down: str) -> No
     """Draw the exact curves, and write its name on the longest line of each."""
     from matplotlib import patheffects
 
-    halo = {"path_effects": [patheffects.withStroke(linewidth=2.2, foreground="white")]}
-    names, longest = flag_names(dataset.boundary_name), {}
+    halo: dict[str, Any] = {"path_effects": [patheffects.withStroke(linewidth=2.2, foreground="white")]}
+    names, longest = flag_names(dataset.boundary_name), dict[str, Any]()
     for number in np.unique(dataset.boundary_line.values):
         part = dataset.isel(boundary_point=dataset.boundary_line.values == number)
         name = names[int(part.boundary_name[0])]
@@ -113,7 +115,7 @@ def _curves(axes: style.Axes, dataset: xr.Dataset, across: str, down: str) -> No
             longest[name] = way[-1], way, points
     for k, (name, (length, way, points)) in enumerate(longest.items()):
         # In its middle, or before or after it, so that names on lines beside each other stand apart.
-        ends = [
+        ends: Any = [
             [np.interp((0.5 + 0.2 * (k % 3 - 1) + aside) * length, way, x) for x in points.T] for aside in (0, 0.02)
         ]
         first, last = axes.transData.transform(ends)

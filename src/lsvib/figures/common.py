@@ -16,8 +16,8 @@ from lsvib.models.drive import Drive
 from lsvib.stability.boundaries import stable_set
 
 if TYPE_CHECKING:
-    from lsvib.dynamics.attractor import SteadyState
-    from lsvib.engine.motion import Motion
+    from lsvib.dynamics.attractor import SteadyState as SteadyState
+    from lsvib.engine.motion import Motion as Motion
 else:  # names for annotations, which load no engine
     Motion = SteadyState = Any
 

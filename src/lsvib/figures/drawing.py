@@ -73,8 +73,8 @@ def draw_motions(axes: style.Axes, case: xr.Dataset, widths: Sequence[float] = E
             still = np.where(rests, u, np.nan), np.where(rests, w, np.nan)
             axes.plot(*still, color=style.GREEN, linewidth=3, solid_capstyle="butt", label="rest", zorder=2.5)
         if seized.any():
-            before = (motion[f"event_{name}_deviation_before"].values[seized] for name in ("angle", "velocity"))
-            mark_seizures(axes, *before, colour)
+            before = [motion[f"event_{name}_deviation_before"].values[seized] for name in ("angle", "velocity")]
+            mark_seizures(axes, before[0], before[1], colour)
         axes.plot(u[0], w[0], "o", color=colour, markerfacecolor="white", label="start", zorder=4.5)
 
 
@@ -100,12 +100,14 @@ def cycle_of(case: xr.Dataset) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return u, w, (np.abs(np.diff(u)) < 1e-9 * np.ptp(u)) & (np.abs(np.diff(w)) > 0.05 * np.ptp(w))
 
 
-def mark_seizures(axes: style.Axes, u, w, colour: str) -> None:
+def mark_seizures(axes: style.Axes, u: np.ndarray, w: np.ndarray, colour: str) -> None:
     """Mark states in which a seizure starts."""
     axes.plot(u, w, "v", color=colour, markersize=3.2, label="start of a seizure", zorder=3)
 
 
-def _broken_line(axes: style.Axes, u, w, jumps, colour: str, width: float, name: str) -> None:
+def _broken_line(
+    axes: style.Axes, u: np.ndarray, w: np.ndarray, jumps: np.ndarray, colour: str, width: float, name: str
+) -> None:
     """Draw a line that is solid but for its jumps, which are dotted."""
     axes.plot(*parted(u, w, jumps), color=colour, linewidth=width, label=name, zorder=2.2)
     for k in np.flatnonzero(jumps):
@@ -184,7 +186,7 @@ def patches(looks: Iterable[tuple[str, str | None, str]], edge: str) -> list[Any
     """Return an entry of a legend for each kind of region: its colour, its hatch or None, and its words."""
     from matplotlib.patches import Patch
 
-    look = {"edgecolor": edge, "linewidth": 0.5}
+    look: dict[str, Any] = {"edgecolor": edge, "linewidth": 0.5}
     return [Patch(facecolor=colour, hatch=hatch, label=words, **look) for colour, hatch, words in looks]
 
 
@@ -196,7 +198,7 @@ def arrows(axes: style.Axes, lines: Sequence[DrawnLine]) -> None:
     pixels = axes.figure.dpi / 72
     for x, y, colour in lines:
         path = axes.transData.transform(np.column_stack([x, y]))
-        seen = ((path > axes.bbox.min) & (path < axes.bbox.max)).all(axis=1)
+        seen: np.ndarray = np.all((path > axes.bbox.min) & (path < axes.bbox.max), axis=1)
         steps = np.where(seen[1:] & seen[:-1], np.hypot(*np.diff(path, axis=0).T), 0.0)
         if not steps.any():
             continue

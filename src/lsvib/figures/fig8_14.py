@@ -23,7 +23,7 @@ from lsvib.figures.common import Motion, about, flag_names, named, spread
 from lsvib.figures.settings import Cells, MassPair, OpposingForces, PhasePlane, Values
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
-from lsvib.models.names import RULES, Event
+from lsvib.models.names import RULES, Event, Resume
 from lsvib.models.rigid import MotionMode
 
 CAPTION = """\
@@ -163,7 +163,7 @@ def _reverse_slips(drives: Sequence[Drive], start: Values, duration: float) -> V
     That ratio [1], and the length [rad] over which the acceleration changes by all of it, are missing where Γ₊ > 0.
     """
 
-    def until_release(drive: Drive, rule: str) -> Motion:
+    def until_release(drive: Drive, rule: Resume) -> Motion:
         """The motion up to its first release, or all of it."""
         whole = phase_plane.followed(drive, [start["u"], start["w"]], duration, rule)
         released = whole.time[whole.kind == Event.RELEASE].tolist()

@@ -5,6 +5,7 @@ docs/limit_process.md says what the branches are, which contacts have the rigid 
 
 from collections.abc import Iterator, Sequence
 from itertools import pairwise, product
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -101,10 +102,10 @@ def _branch(drive: Drive, sign: int, start: Sequence[float]) -> tuple[list[list[
     from lsvib.engine.motion import follow
     from lsvib.models.rigid import rigid_automaton
 
-    def motion(automaton, state):
+    def motion(automaton: Any, state: Any) -> Any:
         return follow(automaton, state, _DURATION) if sign else steady_state(automaton, state, max_events=10**5).orbit
 
-    def away(one, other):
+    def away(one: Any, other: Any) -> float:
         if one is None or other is None:
             return np.nan
         low, high = orbit_extremes(rigid[0], np.array([1.0, 0.0, 0.0]))
@@ -133,16 +134,16 @@ def _between_solutions(drive: Drive) -> cf.Variables:
     drift, gamma = q_u * u + q_w * w + q_0, float(c.gamma[1])  # W = I P − m r_m tan λ T
     lever, cosine = float(printed_laws.lever(drive, 1)), float(np.cos(drive.lead_angle))
     torque = -drive.coupling_stiffness * (float(c.deflection) + u) - drive.support_damping * speed
-    kinds, times = [], []
+    events, instants = [], []
     for damped, multiple, k in product((1, 0), _MULTIPLES, _STIFFNESS.tolist()):
         contact = drive.replace(contact_stiffness=k, contact_damping=damped * k)
         mismatch = multiple * drift / (lever * gamma) / (k * cosine)
         state = [u, w, 0.0, mismatch] if damped else [u, w, mismatch, 0.0]
         motion = follow(automaton_of(contact), state, _DURATION, max_events=1)
-        kinds.append((*motion.kind, -1)[0])
-        times.append((*motion.time, np.nan)[0])
+        events.append((*motion.kind, -1)[0])
+        instants.append((*motion.time, np.nan)[0])
     dims = ("contact_kind", "multiple", "swept_contact_stiffness")
-    kinds, times = (np.reshape(x, (2, len(_MULTIPLES), _STIFFNESS.size)) for x in (kinds, times))
+    kinds, times = (np.reshape(x, (2, len(_MULTIPLES), _STIFFNESS.size)) for x in (events, instants))
     t, pulse = times[1, 0], np.sqrt(_STIFFNESS * cosine * lever * abs(gamma) / (drive.mass * drive.screw_inertia))  # ω̄
     factor = drive.pitch_radius * float(c.xi[1]) * drift / drive.screw_inertia / speed
     growth = factor * (_MULTIPLES[0] - 1) / (2 * gamma) / pulse

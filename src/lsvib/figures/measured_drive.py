@@ -99,8 +99,8 @@ def build(settings: Values) -> xr.Dataset:
     speed, torque = (np.array([getattr(point, name) for point in points]) for name in ("speed", "torque"))
     jerks = {sense: (tables[name], records[name]) for sense, name in SLOW_FILES.items()}
     torn, loose = breaking((sense, LOAD, record) for sense, (_, record) in jerks.items())
-    own, under = (np.full(speed.size, LOAD), RADIUS, PUBLISHED["lead_angle"]), (LOAD, PUBLISHED["mass"])
-    measured = Measured(speed, torque, *own, np.array(torn), loose=loose)
+    loads, under = (np.full(speed.size, LOAD), RADIUS, PUBLISHED["lead_angle"]), (LOAD, PUBLISHED["mass"])
+    measured = Measured(speed, torque, *loads, np.array(torn), loose=loose)
     fit = fitted(measured)
     found = {(sense * SLOW, *under): record for sense, (_, record) in jerks.items()}
     even = [((one.speed, *under), 0.0) for one in points]
@@ -165,7 +165,7 @@ def _even_speeds(drive: Drive, sense: int, dampings: np.ndarray) -> np.ndarray:
         found = all_endings(drives, None).attractor
         if Attractor.UNRESOLVED in found:
             raise InputError("measured_drive: it is not known of a motion from rest what it ends in.")
-        return found == Attractor.STEADY_SLIDING
+        return np.asarray(found == Attractor.STEADY_SLIDING)
 
     jerks, even = (np.full(dampings.size, factor * EVEN) for factor in (1e-2, 100.0))
     while (even > 1.001 * jerks).any():
@@ -369,9 +369,9 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     bottom, top = record.get_ylim()
     record.set(xlabel="Time [s]", ylabel="Torque of the motor [mN m]", ylim=(bottom, top + 0.3 * (top - bottom)))
     record.legend(fontsize=7, ncols=2, loc="upper left", columnspacing=0.8, handletextpad=0.3)
-    own = float(dataset.jerking_damping)
-    limit.axvline(own, color="black", linestyle=":", linewidth=0.9)
-    limit.annotate("jerks as often", (own, 1.2), xytext=(4, 0), textcoords="offset points", fontsize=7)
+    as_often = float(dataset.jerking_damping)
+    limit.axvline(as_often, color="black", linestyle=":", linewidth=0.9)
+    limit.annotate("jerks as often", (as_often, 1.2), xytext=(4, 0), textcoords="offset points", fontsize=7)
     at = math.sqrt(low * high)
     for rpm, mark, words in ((SLOW / RPM, "v", "jerked"), (EVEN / RPM, "^", "was even")):
         limit.plot(at, rpm, mark, color="black", markersize=4)

@@ -4,7 +4,7 @@ Importing this loads no matplotlib, so a figure, whose dataset is built without 
 """
 
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import partial
 from io import BytesIO
@@ -163,7 +163,7 @@ def stated(dataset: xr.Dataset) -> str:
 
 
 def legend(
-    figure: Figure, axes: Sequence[Axes], columns: int, first: Sequence[Any] = (), place: Any = "outside upper center"
+    figure: Figure, axes: Iterable[Axes], columns: int, first: Sequence[Any] = (), place: Any = "outside upper center"
 ) -> Figure:
     """Put one legend beside the panels: the ``first`` artists, then what the panels name, each name once."""
     entries = {artist.get_label(): artist for artist in first}
