@@ -13,6 +13,7 @@ from lsvib.assess.margins import margins
 from lsvib.assess.mechanisms import NAMES
 from lsvib.assess.operation import Draw
 from lsvib.assess.sheet import Sheet
+from lsvib.assess.window import OperatingWindow, worst
 from lsvib.dynamics.attractor import Attractor, steady_state
 from lsvib.models import friction
 from lsvib.models.mechanics import coefficients, damping_by_slope
@@ -45,10 +46,10 @@ def test_the_chapters_drive_has_the_verdicts_of_the_figures(mass, translational,
     """Figs 8.6, 8.9 and 8.14, by both ways of deciding."""
     damping = DAMPED | {"translational": f"{translational} N*s/m"}
     given = sheet(load={"mass": f"{mass} kg", "force": f"{force} N"}, damping=damping)
-    draw = Draw.of(given)
-    found = draw.worst
+    window = OperatingWindow(Draw.of(given))
+    found = window.worst
     assert {name for name, one in found.items() if one.reserve[0] < 0 and name != "after_perturbation"} == occurring
-    for corner in draw.corners:
+    for corner in window.corners:
         assert unstable(corner.rigid) == bool(occurring)
     fed = (translational, force) == (1000, -18)  # the drag makes the load resist; under law + it would feed a swing
     assert (found["after_perturbation"].reserve[0] < 0) == (fed or (mass == 11 and force > 0))
@@ -88,7 +89,7 @@ def test_a_mechanism_occurs_exactly_where_the_drive_is_unstable(parts):
     for seed in range(60):
         given = random_sheet(seed, support="support" in parts, contact="threads" in parts)
         draw = Draw.of(given)
-        for corner in draw.corners:
+        for corner in OperatingWindow(draw).corners:
             own = [one for name, one in corner.reserves.items() if name in NAMES]
             if abs(min(own)) > 1e-9:
                 found = unstable(corner.drive)
@@ -103,7 +104,7 @@ def test_margins_of_a_supported_drive_are_the_certain_boundaries():
     for seed in range(6):
         given = slide(seed)
         draw = Draw.of(given)
-        corner = draw.corners[0]
+        corner = OperatingWindow(draw).corners[0]
         assert corner.reserves["law"] > 0
         table = {row.quantity: row for row in margins(draw)["mode_coupling"]}
         drive = corner.drive
@@ -111,7 +112,7 @@ def test_margins_of_a_supported_drive_are_the_certain_boundaries():
             value = table[quantity].value
             if value is None:
                 continue
-            if abs(draw.changed(**{quantity: value}).worst["negative_damping"].reserve[0]) < 1e-9:
+            if abs(worst(draw.changed(**{quantity: value}))["negative_damping"].reserve[0]) < 1e-9:
                 continue  # there the cause changes its name, not the stability
             ends = [float(x) for pair in stable_set(drive, quantity).intervals for x in pair]
             assert min(abs(value / end - 1) for end in ends if end > 0) < 1e-9, (seed, quantity)
@@ -150,7 +151,7 @@ def test_no_point_of_the_window_is_worse_than_its_corners(more):
             screw={"inertia": "3.12e-6 kg*m^2", "mass": "2 kg"}, **more,
         )  # fmt: skip
         draw = Draw.of(given)
-        found = draw.worst
+        found = worst(draw)
         speed = rng.uniform(draw.values["speed_low"], draw.values["speed_high"], 3000)
         force = rng.uniform(draw.values["force_low"], draw.values["force_high"], 3000)
         for direction in (1, -1):
@@ -166,10 +167,10 @@ def test_under_one_force_the_speed_at_which_the_drag_balances_it_is_looked_at():
         friction={"coefficient": 0.218, "slope": "0.3 s/m"}, damping=DAMPED,
     )  # fmt: skip
     draw = Draw.of(given)
-    found = draw.worst["negative_damping"]
+    found = worst(draw)["negative_damping"]
     ends = [draw.at(1, end, -50.0).reserves["negative_damping"] for end in (10.0, 150.0)]
     assert found.reserve[0] < 0 < min(ends)
-    drive = draw.corners[found.corner[0]].rigid
+    drive = OperatingWindow(draw).critical("negative_damping").rigid
     c = coefficients(drive)
     assert float(c.damping[1]) < 0  # and the slope of friction adds next to nothing
     assert abs(float(c.net_force)) < 1e-6 < float(coefficients(drive.replace(input_speed=10.0)).net_force)
@@ -210,7 +211,7 @@ def test_friction_that_falls_with_speed_sets_in_where_its_damping_is_spent():
     given = sheet(load={"mass": "1 kg", "force": "60 N"}, friction={"coefficient": 0.218, "slope": "-0.01 s/m"})
     draw = Draw.of(given)
     table = {row.quantity: row for row in margins(draw)["falling_friction"]}
-    drive = draw.corners[0].rigid
+    drive = OperatingWindow(draw).corners[0].rigid
     lead = math.cos(drive.lead_angle), math.tan(drive.lead_angle)
     critical = -drive.support_damping / damping_by_slope(1.0, 60.0, 0.218, drive.pitch_radius, *lead, -1)
     assert table["friction_slope"].value == pytest.approx(critical, rel=1e-10)

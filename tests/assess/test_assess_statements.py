@@ -18,7 +18,7 @@ from lsvib.assess.report import report
 from lsvib.assess.sheet import Sheet
 from lsvib.assess.summary import brief, of_curve, said
 from lsvib.assess.vibration import tolerated_by_trial
-from lsvib.assess.window import applicable
+from lsvib.assess.window import OperatingWindow, applicable, worst
 from lsvib.assess.words import ATTRACTORS, percent
 from lsvib.dynamics.attractor import Attractor, steady_state
 from lsvib.errors import InputError
@@ -113,8 +113,8 @@ def test_a_fall_of_friction_that_upsets_a_supported_drive_is_called_by_its_name(
         "support": {"stiffness": "1e7 N/m", "damping": "100 N*s/m"},
     }  # fmt: skip
     level, falling = sheet(**given), sheet(**given, friction={"coefficient": 0.218, "slope": "-0.2 s/m"})
-    assert all(Draw.of(level).worst[name].reserve[0] > 0 for name in applicable(level))
-    found = Draw.of(falling).worst
+    assert all(worst(Draw.of(level))[name].reserve[0] > 0 for name in applicable(level))
+    found = worst(Draw.of(falling))
     assert found["falling_friction"].reserve[0] < 0
     assert found["mode_coupling"].reserve[0] > 0
 
@@ -125,7 +125,7 @@ def test_a_damping_that_is_not_given_has_a_margin_in_its_own_unit():
     draw = Draw.of(fed)
     row = next(row for row in margins(draw)[ANY] if row.quantity == "support_damping")
     assert row.factor is None
-    at = conditions(draw.corners[0].rigid)["negative_damping"].margins
+    at = conditions(OperatingWindow(draw).corners[0].rigid)["negative_damping"].margins
     assert row.value == pytest.approx(at["negative_effective_damping"], rel=1e-12)
     calm = sheet(load={"mass": "1 kg", "force": "-60 N"})
     row = next(row for row in margins(Draw.of(calm))[ANY] if row.quantity == "translation_damping")
@@ -138,7 +138,7 @@ def test_advice_makes_the_drive_steady_as_a_whole():
     """Two causes at once: on the far side of each margin none of them occurs, on the near side one does."""
     given = sheet(load={"mass": "12 kg", "force": "-60 N"}, damping={"translational": "1000 N*s/m"})
     draw = Draw.of(given)
-    assert {name for name, one in draw.worst.items() if one.reserve[0] < 0} >= {
+    assert {name for name, one in worst(draw).items() if one.reserve[0] < 0} >= {
         "negative_damping",
         "kinematic_constraint",
     }
@@ -148,7 +148,7 @@ def test_advice_makes_the_drive_steady_as_a_whole():
     for row in rows:
         for side, steady in ((1 + 1e-9, True), (1 - 1e-9, False)):
             factor = row.factor * (side if row.factor > 1 else 2 - side)
-            found = draw.scaled(keys.get(row.quantity, (row.quantity,)), factor).worst
+            found = worst(draw.scaled(keys.get(row.quantity, (row.quantity,)), factor))
             assert all(found[name].reserve[0] >= 0 for name in NAMES if name in found) == steady, row
 
 
@@ -176,7 +176,7 @@ def test_what_compliant_threads_tolerate_is_decided_by_their_own_motions(stiffne
         contact={"stiffness": stiffness, "damping": damping},
     )
     draw = Draw.of(given)
-    corner = draw.corners[0]
+    corner = OperatingWindow(draw).corners[0]
     stiff, _ = corner.tolerated
     size, sentence = tolerated_by_trial(corner.drive, stiff)
     assert size == pytest.approx(share * stiff, rel=0.01 if share == 1 else 0.05)
@@ -228,7 +228,7 @@ def test_both_directions_are_mirror_images(direction):
         damping={"rotational": "2e-4 N*m*s/rad", "translational": "300 N*s/m"},
     )
     draw = Draw.of(given)
-    for corner in draw.corners:
+    for corner in OperatingWindow(draw).corners:
         mirrored = draw.at(-corner.direction, corner.speed, -corner.force)
         one, other = corner.reserves, mirrored.reserves
         assert {name: float(x) for name, x in one.items()} == {name: float(x) for name, x in other.items()}
@@ -304,7 +304,7 @@ def windows(seed, indices):
             speed = [f"{low!r} rad/s", f"{high!r} rad/s"]
             given = Sheet.of({**random_sheet(seed, index), "operation": {"speed": speed}})
             draw = Draw.of(given)
-        found = draw.worst
+        found = worst(draw)
         own = {name: one.reserve[0] for name, one in found.items() if name != "after_perturbation"}
         if not np.isnan(list(own.values())).any() and min(own.values()) >= 0:
             dense = min(lowest_of_dense(draw, name) for name in own)

@@ -15,6 +15,7 @@ from lsvib.assess.sheet import Sheet
 from lsvib.assess.starting import Starts
 from lsvib.assess.summary import brief
 from lsvib.assess.uncertainty import evaluated, study
+from lsvib.assess.window import OperatingWindow
 from lsvib.stability.force_thresholds import threshold_force
 from lsvib.stability.starting import runs_evenly
 
@@ -73,7 +74,7 @@ def test_how_often_a_perturbation_starts_vibration_is_how_often_the_force_is_bel
     force = {"low": "10 N", "mode": "49 N", "high": "100 N"}
     given = sheet(load={"mass": "11 kg", "force": force}, **GENTLE)
     found = assess(given, samples=512)
-    edge = -threshold_force(found.draw.corners[0].rigid, "global_stability")
+    edge = -threshold_force(OperatingWindow(found.draw).corners[0].rigid, "global_stability")
     share = (edge - 10) ** 2 / (90 * 39)  # of a triangle, on its rising side
     chance = found.mechanisms["after_perturbation"]
     assert chance.interval[0] < share < chance.interval[1] < chance.interval[0] + 0.25

@@ -13,6 +13,7 @@ from lsvib.assess.report import report
 from lsvib.assess.sheet import Sheet
 from lsvib.assess.statics import lets_go, statics
 from lsvib.assess.summary import of_statics
+from lsvib.assess.window import OperatingWindow
 from lsvib.errors import InputError
 from lsvib.fit.law import Measured, fitted
 from lsvib.models.mechanics import holding_coefficient, relieved_half, thread_force
@@ -66,7 +67,7 @@ DRIVE = {
 def test_the_drive_that_is_followed_has_them_and_reserves_agree_with_its_eigenvalues():
     sheet = Sheet.of(DRIVE)
     for mass in (5.0, 20.0, 60.0, 300.0):
-        for corner in Draw.of(sheet).changed(mass=mass).corners:
+        for corner in OperatingWindow(Draw.of(sheet).changed(mass=mass)).corners:
             drive = corner.rigid
             assert (drive.bearing_friction, drive.slide_friction) == (0.01, 30.0)
             assert (drive.collar_friction, drive.collar_radius) == (0.1, 0.01)
@@ -153,7 +154,7 @@ def test_reserves_are_those_of_the_whole_drive(support):
             entries |= {"support": support, "screw": {"inertia": "2.186e-6 kg*m^2", "mass": "0.2 kg"}}
         sheet = Sheet.of(entries)
         draw = Draw.of(sheet)
-        for corner in draw.corners:
+        for corner in OperatingWindow(draw).corners:
             own = {name: float(value) for name, value in corner.reserves.items()}
             stable = min(value for name, value in own.items() if name not in ("law", "after_perturbation")) > 0
             assert stability(corner.drive).stable == stable
@@ -194,7 +195,7 @@ def test_what_is_not_known_has_no_share_and_no_damping_no_sign():
 @pytest.mark.parametrize("perturbation", [1e-3, None])
 def test_behind_a_slow_control_the_cycle_is_drawn_that_is_spoken_of(perturbation):
     """Of 0.3 Hz against 500 Hz."""
-    moved = Draw.of(Sheet.of(WEDGED)).corners[0].motion(perturbation)
+    moved = OperatingWindow(Draw.of(Sheet.of(WEDGED))).corners[0].motion(perturbation)
     assert np.ptp(moved.deviation) == pytest.approx(2 * moved.amplitude, rel=1e-2)  # of even samples
 
 

@@ -10,6 +10,7 @@ from lsvib.assess.assessment import assess
 from lsvib.assess.operation import Draw
 from lsvib.assess.sheet import Sheet
 from lsvib.assess.summary import brief
+from lsvib.assess.window import worst
 from lsvib.stability.starting import runs_evenly
 
 JERKS_ONCE_STEADY = """
@@ -73,7 +74,7 @@ def test_a_change_that_leaves_jerks_is_said_to():
     (line,) = (line for line in brief(found) if "stable, but is not reached from rest" in line)
     assert "friction of the threads 0.54 % smaller" in line
     own = found.draw.scaled(["friction_coefficient"], 1 - 0.0054)
-    assert min(own.worst[name].reserve[0] for name in found.names) > 0
+    assert min(worst(own)[name].reserve[0] for name in found.names) > 0
     assert runs_evenly(own.at(1, own.values["speed_low"], 711.3).drive) is False
 
 

@@ -7,6 +7,7 @@ from lsvib import Drive
 from lsvib.assess.materials import NUT_MATERIALS, SCREW_MATERIALS
 from lsvib.assess.operation import Draw
 from lsvib.assess.sheet import Sheet
+from lsvib.assess.window import OperatingWindow
 from lsvib.errors import InputError
 from lsvib.models.pairings import PAIRINGS
 
@@ -61,7 +62,7 @@ def random_drive(seed: int, index: int) -> Drive | None:
         given = random_sheet(seed, index)
         if "support" in given:
             given.pop("contact", None)
-        places = Draw.of(Sheet.of(given)).corners
+        places = OperatingWindow(Draw.of(Sheet.of(given))).corners
         return places[index % len(places)].drive
     except InputError:
         return None

@@ -15,6 +15,7 @@ from lsvib.assess.margins import Margin, applied, changeable
 from lsvib.assess.operation import Draw, Operation
 from lsvib.assess.starting import Starts, places, speeds
 from lsvib.assess.vibration import UNDECIDED
+from lsvib.assess.window import OperatingWindow, worst
 from lsvib.models.drive import STATIC
 
 MOST = 3.0  # the largest factor that is tried, and its inverse
@@ -66,7 +67,7 @@ def advice(draw: Draw, edges: list[Margin], vibrates: bool, starts: Starts) -> l
 def _knocked(draw: Draw) -> str:
     """What a strong knock leaves of vibration, as of :class:`Change`."""
     if draw.sheet.closed:
-        return "knock" if draw.most_perturbed[0] else ""
+        return "knock" if OperatingWindow(draw).most_perturbed[0] else ""
     ends = {there.after_knock for there in _points(draw)} - {"steady sliding"}
     return "knock" if ends - set(UNDECIDED) else "unknown knock" if ends else ""
 
@@ -141,7 +142,7 @@ class _Asker:
 
     def left(self, own: Draw) -> str:
         """What is left of vibration, as of :class:`Change`, or ``vibrates``."""
-        reserves = {name: one.reserve[0] for name, one in own.worst.items()}
+        reserves = {name: one.reserve[0] for name, one in worst(own).items()}
         steady = min(reserve for name, reserve in reserves.items() if name != "after_perturbation")
         if not steady >= 0 or _level(own) < min(_LEAST_LAW, self.level):
             return "vibrates"

@@ -16,6 +16,7 @@ from lsvib.assess.sheet import Sheet
 from lsvib.assess.starting import Starting, Starts, starting
 from lsvib.assess.statics import Statics, statics
 from lsvib.assess.uncertainty import Uncertainty, WorstCase, ends, study, worst_cases
+from lsvib.assess.window import OperatingWindow
 from lsvib.assess.words import TOLERATED
 from lsvib.errors import InputError
 
@@ -98,12 +99,13 @@ class Assessment:
 def assess(sheet: Sheet, samples: int = 4096, seed: int = 1) -> Assessment:
     """Assess a data sheet; arguments as :func:`lsvib.assess.uncertainty.study`. Raises ``InputError``."""
     draw = Draw.of(sheet)
-    _require_a_drive(draw)
+    window = OperatingWindow(draw)
+    _require_a_drive(window)
     rows, spread, edges = statics(sheet), study(sheet, samples, seed), margins(draw)
-    found = _mechanisms(draw, spread, edges)
+    found = _mechanisms(window, spread, edges)
     lifting, lowering = map(float, draw.efficiencies)
     cases = worst_cases(sheet, spread.lowest)
-    nominal = _motion(draw, _critical(found))
+    nominal = _motion(window, _critical(found))
     if not any(one.occurs for one in found.values()) and _upset(nominal):
         sure: dict[str, Any] = {"probability": 1.0, "interval": (1.0, 1.0)} if spread.samples == 1 else {}
         perturbed = replace(found["after_perturbation"], occurs=True, there=nominal.there, **sure)
@@ -131,11 +133,11 @@ def assess(sheet: Sheet, samples: int = 4096, seed: int = 1) -> Assessment:
     )
 
 
-def _require_a_drive(draw: Draw) -> None:
+def _require_a_drive(window: OperatingWindow) -> None:
     """Refuse what the package has no drive for, in the words of the sheet."""
-    if draw.sheet.of_statics:
-        raise InputError(f"Whether it vibrates cannot be asked: {draw.sheet.of_statics}.")
-    for there in draw.corners:
+    if unasked := window.draw.sheet.of_statics:
+        raise InputError(f"Whether it vibrates cannot be asked: {unasked}.")
+    for there in window.corners:
         try:
             _ = there.rigid, there.drive
         except InputError as error:
@@ -147,13 +149,13 @@ def _require_a_drive(draw: Draw) -> None:
             raise InputError(f"The data sheet makes a drive that is out of range: {error}") from None
 
 
-def _mechanisms(draw: Draw, spread: Uncertainty, edges: dict[str, list[Margin]]) -> Found:
+def _mechanisms(window: OperatingWindow, spread: Uncertainty, edges: dict[str, list[Margin]]) -> Found:
     found = {}
-    for name, one in draw.worst.items():
-        there, reserve, often = draw.critical(name), float(one.reserve[0]), spread.probability[name]
+    for name, one in window.worst.items():
+        there, reserve, often = window.critical(name), float(one.reserve[0]), spread.probability[name]
         occurs: bool | None = reserve < 0
         if name == "after_perturbation":
-            occurs, _, first = draw.most_perturbed if draw.sheet.stiff else (None, None, None)
+            occurs, _, first = window.most_perturbed if window.draw.sheet.stiff else (None, None, None)
             there = first or there
         found[name] = Mechanism(name, occurs, reserve, there, often.value, often.interval, edges[name])
     return found
@@ -218,11 +220,11 @@ def _critical(found: Found) -> str:
     return "after_perturbation" if own[name].reserve > 0 and possible else name
 
 
-def _motion(draw: Draw, name: str) -> AssessedMotion:
-    sheet, there = draw.sheet, draw.critical(name)
+def _motion(window: OperatingWindow, name: str) -> AssessedMotion:
+    sheet, there = window.draw.sheet, window.critical(name)
     if name == "after_perturbation" and sheet.support is None:
-        there = draw.most_perturbed[2] or there
-    if name == "falling_friction" and draw.worst[name].reserve[0] < 0 and not sheet.friction.law:
+        there = window.most_perturbed[2] or there
+    if name == "falling_friction" and window.worst[name].reserve[0] < 0 and not sheet.friction.law:
         reason = "friction that falls with speed makes steady running unstable there; the motion beyond that onset is "
         beyond = motions.Vibration((), "unknown", reason=reason + "not computed, only the onset.")
         return AssessedMotion(name, there, beyond, (0.0, TOLERATED["unstable"].format(threads="")))
@@ -243,4 +245,4 @@ def _worst_motion(sheet: Sheet, found: Found, cases: Cases, upset: NDArray[np.fl
     if own[name] > 0 > cases["after_perturbation"][0]:
         name = "after_perturbation"
     shares = cases[name][1] if name != "after_perturbation" or upset is None else upset
-    return _motion(Draw.of(sheet, shares), name)
+    return _motion(OperatingWindow(Draw.of(sheet, shares)), name)

@@ -10,6 +10,7 @@ from lsvib.assess.fields import LARGEST_HALF_ANGLE
 from lsvib.assess.mechanisms import NAMES
 from lsvib.assess.operation import PAIRS, Draw
 from lsvib.assess.quantities import Values
+from lsvib.assess.window import worst
 from lsvib.assess.words import QUANTITIES, Quantity
 from lsvib.models.drive import PARTS
 
@@ -70,7 +71,7 @@ def _absent_dampings(values: Values) -> dict[str, float]:
 
 def _occurs(draw: Draw) -> dict[str, NDArray[Any]]:
     """Whether each mechanism occurs (1, 0, or −1 where the drive cannot move), for drives given by arrays (n)."""
-    occurs = {name: np.where(np.isnan(one.reserve), -1, one.reserve < 0) for name, one in draw.worst.items()}
+    occurs = {name: np.where(np.isnan(one.reserve), -1, one.reserve < 0) for name, one in worst(draw).items()}
     own = np.stack([flags for name, flags in occurs.items() if name in NAMES])
     return {**occurs, ANY: np.where(own[0] < 0, -1, own.max(axis=0))}
 

@@ -10,7 +10,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from lsvib.assess import mechanisms, vibration, window
+from lsvib.assess import mechanisms, vibration
 from lsvib.assess.quantities import (
     FRICTION,
     GRAVITY,
@@ -139,48 +139,6 @@ class Draw:
         there = self.at(1, 0.5 * (self.values["speed_low"] + self.values["speed_high"]), 0.0)
         thread = there.parameters["friction_coefficient"], self.lead_angle, self.collar
         return lifting_efficiency(*thread), lowering_efficiency(*thread)
-
-    @cached_property
-    def corners(self) -> list["Operation"]:
-        """The points of the window where a reserve can be lowest.
-
-        They are those of docs/assess.md: with rigid parts reserves of damping are monotonic in the size of R̃.
-        """
-        return [
-            self.at(direction, speed, force)
-            for direction in self.sheet.directions
-            for speed, force in zip(*window.points(self, direction), strict=True)
-        ]
-
-    @cached_property
-    def worst(self) -> dict[str, window.Worst]:
-        """The lowest reserve of each mechanism over the window, see :func:`lsvib.assess.window.worst`."""
-        return window.worst(self)
-
-    @cached_property
-    def most_perturbed(self) -> "tuple[bool | None, float, Operation | None]":
-        """Return whether a perturbation starts vibration of a drive, the smallest of the rigid one, and where.
-
-        Asked is the exact basin at every corner of the window where Γ₊ or C₊ is negative, as none does without (docs);
-        where it is not known, a motion after a strong perturbation. None if that does not show it either. The smallest
-        is in rad/s, infinite if there is none.
-        """
-        sizes, follow = {}, self.sheet.followed
-        places = {there.corner: there for there in self.corners if follow or there.reserves["after_perturbation"] < 0}
-        for corner, there in places.items():
-            calm, size = ("steady sliding", *vibration.UNDECIDED), there.tolerated[0] if self.sheet.stiff else None
-            # One that is not known, or of a drive that nothing damps, a motion shows.
-            sizes[corner] = size or (None if there.after_knock in calm else vibration.STRONG * there.speed)
-        known = {corner: size for corner, size in sizes.items() if size is not None}
-        size, first = min(((size, corner) for corner, size in known.items()), default=(math.inf, None))
-        started = True if size < math.inf else None if len(known) < len(sizes) else False
-        return started, size, places[first] if first else None
-
-    def critical(self, mechanism: str) -> "Operation":
-        """Return the point of the window at which one drive has the lowest reserve of a mechanism."""
-        worst = self.worst[mechanism]
-        corner = self.corners[int(worst.corner[0])]
-        return self.at(int(corner.direction), float(worst.speed[0]), float(corner.force))
 
 
 @dataclass(frozen=True, eq=False)

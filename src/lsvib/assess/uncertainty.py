@@ -13,7 +13,7 @@ from scipy.stats import binomtest, qmc, sobol_indices, uniform  # type: ignore[i
 
 from lsvib.assess.operation import Draw
 from lsvib.assess.sheet import Sheet
-from lsvib.assess.window import count_of, worst
+from lsvib.assess.window import OperatingWindow, count_of, worst
 from lsvib.errors import InputError
 
 BLOCK = 2**12  # samples whose quantities are in memory at once
@@ -129,7 +129,7 @@ def _perturbed(
     answers = []
     corners = count_of(Draw.of(sheet))
     for k in candidates[: min(ASKED, max(ASKED_CORNERS // corners, 16))]:
-        answers.append((k, *Draw.of(sheet, points[:, k]).most_perturbed))
+        answers.append((k, *OperatingWindow(Draw.of(sheet, points[:, k])).most_perturbed))
     hits, asked = sum(answer is True for _, answer, *_ in answers), len(answers)
     unknown = sum(answer is None for _, answer, *_ in answers)
     value = candidates.size / reserve.size * hits / (asked - unknown) if unknown < asked else None

@@ -1,25 +1,23 @@
-"""The window of operation of a drive: the points at which a reserve can be lowest, and the lowest of each mechanism.
-
-All is for whole samples of drives at once.
-"""
+"""The window of operation: the points at which a reserve can be lowest, and the lowest of each mechanism."""
 
 import math
 from dataclasses import dataclass, replace
+from functools import cached_property
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from lsvib.assess import vibration
 from lsvib.assess.mechanisms import NAMES
+from lsvib.assess.operation import Draw, Operation
 from lsvib.assess.quantities import sliding_speed
 from lsvib.assess.sheet import Sheet
 from lsvib.models import friction
 
-if TYPE_CHECKING:
-    from lsvib.assess.operation import Draw
-
 Array = NDArray[Any]  # of floats
+Pair = tuple[Array, Array]
 AT_ONCE = 2**17  # reserves, few enough for the processor's caches, many enough for NumPy
 _FADING = (0.05, 0.1, 0.2, 0.35, 0.6, 1.0, 1.6, 2.5, 4.0, 7.0)  # of the speed over which a rise of friction fades
 _SHARES = np.linspace(0, 1, 8)[1:-1]  # of the window, in logarithm
@@ -27,17 +25,61 @@ _GOLDEN = 0.5 * (math.sqrt(5) - 1)
 _BESIDE = 1e-9  # how near to R̃ = 0, or to a law of zero, relative: far above rounding
 
 
-@dataclass(frozen=True)
-class Worst:
-    """The lowest reserve of a mechanism in the window, arrays (n): ``reserve``, and where it is.
-
-    ``corner``: the number of the point of :attr:`lsvib.assess.operation.Draw.corners` that has it, or the point next to
-    it, as ``speed`` [rad/s] may lie between two of them, at the direction and force of that point.
-    """
+class Worst(NamedTuple):
+    """The lowest ``reserve`` [1] of a mechanism in the window, arrays (n), and the point of operation that has it."""
 
     reserve: NDArray[np.float64]
-    corner: NDArray[np.int64]
+    direction: NDArray[np.int64]
     speed: NDArray[np.float64]
+    force: NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class OperatingWindow:
+    """The window of one drive: where it is weakest, asked once."""
+
+    draw: Draw
+
+    @cached_property
+    def corners(self) -> list[Operation]:
+        """The points of the window where a reserve can be lowest.
+
+        They are those of docs/assess.md: with rigid parts reserves of damping are monotonic in the size of R̃.
+        """
+        return [
+            self.draw.at(direction, speed, force)
+            for direction in self.draw.sheet.directions
+            for speed, force in zip(*points(self.draw, direction), strict=True)
+        ]
+
+    @cached_property
+    def worst(self) -> dict[str, Worst]:
+        """The lowest reserve of each mechanism, see :func:`worst`."""
+        return worst(self.draw)
+
+    @cached_property
+    def most_perturbed(self) -> tuple[bool | None, float, Operation | None]:
+        """Return whether a perturbation starts vibration of a drive, the smallest of the rigid one, and where.
+
+        Asked is the exact basin at every corner of the window where Γ₊ or C₊ is negative, as none does without (docs);
+        where it is not known, a motion after a strong perturbation. None if that does not show it either. The smallest
+        is in rad/s, infinite if there is none.
+        """
+        sizes, sheet = {}, self.draw.sheet
+        places = {at.corner: at for at in self.corners if sheet.followed or at.reserves["after_perturbation"] < 0}
+        for corner, there in places.items():
+            calm, size = ("steady sliding", *vibration.UNDECIDED), there.tolerated[0] if sheet.stiff else None
+            # One that is not known, or of a drive that nothing damps, a motion shows.
+            sizes[corner] = size or (None if there.after_knock in calm else vibration.STRONG * there.speed)
+        known = {corner: size for corner, size in sizes.items() if size is not None}
+        size, first = min(((size, corner) for corner, size in known.items()), default=(math.inf, None))
+        started = True if size < math.inf else None if len(known) < len(sizes) else False
+        return started, size, places[first] if first else None
+
+    def critical(self, mechanism: str) -> Operation:
+        """Return the point of the window at which the drive has the lowest reserve of a mechanism."""
+        _, direction, speed, force = (float(one[0]) for one in self.worst[mechanism])
+        return self.draw.at(int(direction), speed, force)
 
 
 def applicable(sheet: Sheet) -> tuple[str, ...]:
@@ -46,7 +88,7 @@ def applicable(sheet: Sheet) -> tuple[str, ...]:
     return tuple(name for name in NAMES if not missing.get(name, False))
 
 
-def points(draw: "Draw", direction: int, between: bool = True) -> tuple[Array, Array]:
+def points(draw: Draw, direction: int, between: bool = True) -> tuple[Array, Array]:
     """Speeds [rad/s] and forces [N] of all corners of one direction: (k) for one drive, (k, n) for arrays of drives.
 
     ``between``: with a support also between the ends of |R̃|, where its reserves need not be monotonic.
@@ -83,7 +125,7 @@ def points(draw: "Draw", direction: int, between: bool = True) -> tuple[Array, A
     return np.repeat(speeds, forces.shape[1], axis=0), forces.reshape(-1, *forces.shape[2:])
 
 
-def _own_speeds(draw: "Draw") -> list[Array]:
+def _own_speeds(draw: Draw) -> list[Array]:
     """Speeds [rad/s] over which friction is looked at (k, ...): the ends of the window, and what friction has."""
     given, sliding = draw.sheet.friction, sliding_speed(1.0, draw.pitch_radius, draw.lead_angle)
     low, high = draw.values["speed_low"], draw.values["speed_high"]
@@ -97,7 +139,7 @@ def _own_speeds(draw: "Draw") -> list[Array]:
     return rows
 
 
-def _frictionless(draw: "Draw") -> Array:
+def _frictionless(draw: Draw) -> Array:
     """The sliding speed [m/s] at which a falling law reaches zero, before which it weighs most; zero if it rises."""
     law = SimpleNamespace(**draw.friction_law)
     slope = np.where(law.friction_slope < 0, law.friction_slope, -np.inf)
@@ -109,13 +151,13 @@ def _frictionless(draw: "Draw") -> Array:
     return np.asarray(low)
 
 
-def count_of(draw: "Draw") -> int:
+def count_of(draw: Draw) -> int:
     """Return at how many points of the window a drive is looked at."""
     one = replace(draw, values={key: np.ravel(value)[0] for key, value in draw.values.items()})
     return sum(len(points(one, direction)[0]) for direction in draw.sheet.directions)
 
 
-def worst(draw: "Draw", between: bool = True) -> dict[str, Worst]:
+def worst(draw: Draw, between: bool = True) -> dict[str, Worst]:
     """Return the lowest reserve of each mechanism over the window for one drive or arrays (n) of them.
 
     ``between``: as of :func:`points`. ``after_perturbation`` is among them, see
@@ -128,14 +170,10 @@ def worst(draw: "Draw", between: bool = True) -> dict[str, Worst]:
         for k in range(0, count, step)
     )
     parts = [_worst(replace(draw, values=block), between) for block in blocks]
-    keys = ("reserve", "corner", "speed")
-    return {
-        name: Worst(*(np.concatenate([getattr(part[name], key) for part in parts]) for key in keys))
-        for name in parts[0]
-    }
+    return {name: Worst(*map(np.concatenate, zip(*(one[name] for one in parts), strict=True))) for name in parts[0]}
 
 
-def _worst(draw: "Draw", between: bool) -> dict[str, Worst]:
+def _worst(draw: Draw, between: bool) -> dict[str, Worst]:
     """The same of all drives at once."""
     shape, rows, places = draw.shape or (1,), [], []
     for direction in draw.sheet.directions:
@@ -151,15 +189,15 @@ def _worst(draw: "Draw", between: bool) -> dict[str, Worst]:
         pairs = zip(rows, places, strict=True)
         table = np.concatenate([np.broadcast_to(row[name], place[1].shape) for row, place in pairs])
         lowest = np.argmin(np.where(np.isnan(table), -np.inf, table), axis=0)
-        there = [np.take_along_axis(one, lowest[None], 0)[0] for one in (table, speed, side, force)]
-        reserve, at = there[:2]
+        there = (np.take_along_axis(one, lowest[None], 0)[0] for one in (table, side, speed, force))
+        reserve, way, at, push = there
         if name == "falling_friction" and draw.sheet.friction.law and draw.sheet.is_window("operation.speed"):
-            reserve, at = _lowest_between(draw, there[2:], there[:2], speed)
-        found[name] = Worst(reserve, lowest, at)
+            reserve, at = _lowest_between(draw, (way, push), (reserve, at), speed)
+        found[name] = Worst(reserve, way, at, push)
     return found
 
 
-def _lowest_between(draw: "Draw", own: list[Array], best: list[Array], speeds: Array) -> tuple[Array, Array]:
+def _lowest_between(draw: Draw, own: Pair, best: Pair, speeds: Array) -> Pair:
     """The lowest reserve of falling friction (n) between the speeds next to the ``best`` one, by golden sections.
 
     ``own``: direction and force of it; ``speeds`` (k, n): all that were looked at. Returns reserve and speed.
