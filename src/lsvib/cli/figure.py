@@ -53,7 +53,7 @@ def figure(
 
         lsvib figure nut_stability
     """
-    from lsvib.figures.build import build_figure
+    from lsvib.figures.build import compute_figure, draw_figure
     from lsvib.figures.configuration import DEFAULT, section
     from lsvib.files import check_outputs, replacing
     from lsvib.models.scene import read_yaml
@@ -67,8 +67,9 @@ def figure(
     files = [out / f"{name}{ending}" for ending in _FILES]
     refuse_results_of_the_workflow(*files)
     check_outputs(files, [config])
-    with replacing(*files) as parts:
-        checks = build_figure(name, settings, *parts)
+    with replacing(*files) as (data, judged, png, pdf):
+        checks = compute_figure(name, settings, data, judged)
+        draw_figure(name, data, png, pdf)
 
     failed, picture = sum(not check.passed for check in checks), str(out / f"{name}.png")
     verdict = f"{failed} of {len(checks)} checks failed." if failed else f"All {len(checks)} checks passed."

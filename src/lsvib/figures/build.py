@@ -1,6 +1,6 @@
-"""A whole figure: dataset, checks and picture, the same from Python, from the command and in the workflow.
+"""Both halves of a figure, dataset with checks and picture, the same from Python, from the command and in the workflow.
 
-The workflow calls the two halves in jobs of their own.
+The workflow calls them in jobs of their own.
 """
 
 import json
@@ -16,25 +16,6 @@ from lsvib.errors import InputError
 from lsvib.figures import style
 from lsvib.figures.configuration import PARTS, complete_settings, load, module_of, sources_of
 from lsvib.files import File, write_json, write_text
-
-
-def build_figure(
-    figure: str,
-    given: Mapping[str, Any],
-    dataset_file: File,
-    checks_file: File,
-    png: File,
-    pdf: File | None = None,
-    caption: File | None = None,
-) -> list[Check]:
-    """Compute, judge and draw a figure; write its dataset, checks and picture, and return the checks.
-
-    Arguments as of :func:`compute_figure` and :func:`draw_figure`; ``figure``: its name, such as ``fig8_06``. Raises
-    ``InputError`` about the name and the settings and ``LsvibError`` about files, in one sentence.
-    """
-    checks = compute_figure(figure, given, dataset_file, checks_file)
-    draw_figure(figure, dataset_file, png, pdf, caption)
-    return checks
 
 
 def compute_part(figure: str, part: str, given: Mapping[str, Any], file: File) -> None:
