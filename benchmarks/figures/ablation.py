@@ -13,12 +13,11 @@ import xarray as xr
 from pydantic import Field
 
 from benchmarks.judge import QUARTILES, quartiles
-from lsvib.datasets.attributes import named_index, variable, yes_no
+from lsvib.datasets.attributes import flag_names, named_index, variable, yes_no
 from lsvib.datasets.checks import Check
-from lsvib.figures import style
-from lsvib.figures.common import flag_names
 from lsvib.figures.settings import Duration, FigureSettings
-from lsvib.figures.style import Axes, Figure
+from lsvib.pictures import style
+from lsvib.pictures.style import Axes, Figure
 
 CAPTION = """\
 What a scene saves by leaving out what it does not need: (a) run time and (b) construction of its own model beside a

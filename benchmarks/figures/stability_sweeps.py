@@ -9,12 +9,11 @@ from pydantic import Field
 
 from benchmarks.judge import Verdict
 from benchmarks.sweeps.families import Case, CaseFamily, FamilyName
-from lsvib.datasets.attributes import flagged, variable
+from lsvib.datasets.attributes import flag_names, flagged, variable
 from lsvib.datasets.checks import Check
-from lsvib.figures import style
-from lsvib.figures.common import flag_names
 from lsvib.figures.settings import CaseSeed, FigureSettings
-from lsvib.figures.style import Axes, Figure
+from lsvib.pictures import style
+from lsvib.pictures.style import Axes, Figure
 
 if TYPE_CHECKING:
     from benchmarks.sweeps.case_judge import CaseOutcome

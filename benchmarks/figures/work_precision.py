@@ -15,12 +15,11 @@ import xarray as xr
 from pydantic import Field
 
 from benchmarks.judge import QUARTILES, Verdict, quartiles
-from lsvib.datasets.attributes import flagged, named_index, variable
+from lsvib.datasets.attributes import flag_names, flagged, named, named_index, variable
 from lsvib.datasets.checks import Check
-from lsvib.figures import style
-from lsvib.figures.common import flag_names, named
 from lsvib.figures.settings import FigureSettings, Unique
-from lsvib.figures.style import Axes, Figure
+from lsvib.pictures import style
+from lsvib.pictures.style import Axes, Figure
 
 if TYPE_CHECKING:
     from benchmarks.rivals.race import Entry

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 import lsvib
-from lsvib.figures import style
+from lsvib.pictures import style
 from lsvib.stability.spectrum import eigenvalues
 
 DRIVE = lsvib.Drive(mass=15, screw_mass=11.6, support_stiffness=1e7, axial_support_damping=200)

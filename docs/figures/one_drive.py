@@ -10,7 +10,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 import lsvib
-from lsvib.figures import attraction, drawing, style
+from lsvib.pictures import attraction, drawing, style
 
 DRIVE = lsvib.Drive(mass=11, support_damping=1e-3, axial_force=-10)
 START = {"u": 0.1, "w": 0.0}

@@ -9,7 +9,7 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from lsvib.figures.configuration import FIGURES, load, module_of
-from lsvib.figures.style import save
+from lsvib.pictures.style import save
 
 _EXAMPLES = Path(__file__).parents[2] / "examples"
 _RESOLUTION = 110  # dots per inch, enough for a screen

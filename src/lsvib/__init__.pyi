@@ -18,8 +18,8 @@ from .errors import EngineError as EngineError
 from .errors import InputError as InputError
 from .errors import LsvibError as LsvibError
 from .errors import NoThreshold as NoThreshold
-from .figures.answers import draw as draw
-from .figures.answers import open as open
+from .pictures.answers import draw as draw
+from .pictures.answers import open as open
 from .results import Condition as Condition
 from .results import Derivative as Derivative
 from .results import Quantity as Quantity

@@ -88,8 +88,7 @@ def test_a_mechanism_occurs_exactly_where_the_drive_is_unstable(parts):
     seen = {True: 0, False: 0}
     for seed in range(60):
         given = random_sheet(seed, support="support" in parts, contact="threads" in parts)
-        draw = Draw.of(given)
-        for corner in OperatingWindow(draw).corners:
+        for corner in OperatingWindow(Draw.of(given)).corners:
             own = [one for name, one in corner.reserves.items() if name in NAMES]
             if abs(min(own)) > 1e-9:
                 found = unstable(corner.drive)
@@ -107,14 +106,13 @@ def test_margins_of_a_supported_drive_are_the_certain_boundaries():
         corner = OperatingWindow(draw).corners[0]
         assert corner.reserves["law"] > 0
         table = {row.quantity: row for row in margins(draw)["mode_coupling"]}
-        drive = corner.drive
         for quantity in ("mass", "axial_support_damping"):
             value = table[quantity].value
             if value is None:
                 continue
             if abs(worst(draw.changed(**{quantity: value}))["negative_damping"].reserve[0]) < 1e-9:
                 continue  # there the cause changes its name, not the stability
-            ends = [float(x) for pair in stable_set(drive, quantity).intervals for x in pair]
+            ends = [float(x) for pair in stable_set(corner.drive, quantity).intervals for x in pair]
             assert min(abs(value / end - 1) for end in ends if end > 0) < 1e-9, (seed, quantity)
             seen += 1
     assert seen > 4

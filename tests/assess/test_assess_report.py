@@ -23,7 +23,7 @@ from lsvib.assess.sheet import Sheet
 from lsvib.assess.vibration import STRONG
 from lsvib.assess.words import ATTRACTORS, change, percent, shown
 from lsvib.errors import InputError
-from lsvib.figures import style
+from lsvib.pictures import style
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 

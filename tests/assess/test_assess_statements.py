@@ -138,10 +138,8 @@ def test_advice_makes_the_drive_steady_as_a_whole():
     """Two causes at once: on the far side of each margin none of them occurs, on the near side one does."""
     given = sheet(load={"mass": "12 kg", "force": "-60 N"}, damping={"translational": "1000 N*s/m"})
     draw = Draw.of(given)
-    assert {name for name, one in worst(draw).items() if one.reserve[0] < 0} >= {
-        "negative_damping",
-        "kinematic_constraint",
-    }
+    found = worst(draw)
+    assert max(found[name].reserve[0] for name in ("negative_damping", "kinematic_constraint")) < 0
     rows = [row for row in margins(draw)[ANY] if row.factor is not None]
     keys = {"force": ("force_low", "force_high"), "speed": ("speed_low", "speed_high")}
     assert len(rows) > 4

@@ -37,8 +37,7 @@ def test_the_worst_case_is_at_least_as_bad_as_every_sample():
     given = sheet(**KINEMATIC)
     found = assess(given, samples=1024)
     reserve = found.worst.there.reserves["kinematic_constraint"]
-    rng = np.random.default_rng(8)
-    shares = rng.random((2, 4000))
+    shares = np.random.default_rng(8).random((2, 4000))
     assert reserve <= evaluated(given, shares)["kinematic_constraint"].min() + 1e-12
     assert found.worst.there.draw.entries["load.mass"] == pytest.approx(16, rel=1e-3)
     assert found.worst.vibration.attractor == "sprag slip cycle"

@@ -152,9 +152,7 @@ def test_reserves_are_those_of_the_whole_drive(support):
         entries["damping"] = {"rotational": "1e-5 N*m*s/rad", "translational": drag}
         if support:
             entries |= {"support": support, "screw": {"inertia": "2.186e-6 kg*m^2", "mass": "0.2 kg"}}
-        sheet = Sheet.of(entries)
-        draw = Draw.of(sheet)
-        for corner in OperatingWindow(draw).corners:
+        for corner in OperatingWindow(Draw.of(Sheet.of(entries))).corners:
             own = {name: float(value) for name, value in corner.reserves.items()}
             stable = min(value for name, value in own.items() if name not in ("law", "after_perturbation")) > 0
             assert stability(corner.drive).stable == stable

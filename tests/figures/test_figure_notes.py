@@ -13,12 +13,13 @@ from lsvib.datasets import phase_plane
 from lsvib.datasets.io import write_dataset
 from lsvib.dynamics.impulses import seizure_impulse
 from lsvib.engine.motion import follow
-from lsvib.figures import contact_force, fig8_07, impacts, style
-from lsvib.figures import drawing as drawn
+from lsvib.figures import contact_force, fig8_07, impacts
 from lsvib.figures.build import caption_of
 from lsvib.models.mechanism import seated_state
 from lsvib.models.model import automaton_of
 from lsvib.models.names import Event
+from lsvib.pictures import drawing as drawn
+from lsvib.pictures import style
 
 
 def parameters() -> xr.Dataset:

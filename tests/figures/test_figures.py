@@ -27,7 +27,6 @@ from lsvib.datasets.newton import residual
 from lsvib.dynamics.attractor import Attractor
 from lsvib.engine import motion
 from lsvib.errors import LsvibError
-from lsvib.figures import style
 from lsvib.figures.configuration import FIGURES
 from lsvib.figures.contact_force import ForceOutcome
 from lsvib.figures.fig8_03 import Stability
@@ -35,6 +34,7 @@ from lsvib.models import mechanics, modes, rigid
 from lsvib.models.chapter import claims, listed
 from lsvib.models.drive import forget
 from lsvib.models.names import Event
+from lsvib.pictures import style
 from lsvib.stability.spectrum import UndampedClass
 
 NO_GROWTH, GROWTH = (set_to("growth_rate_of_steady_sliding", rate) for rate in (-1.0, 1.0))

@@ -14,8 +14,9 @@ from matplotlib.figure import Figure
 
 from lsvib.datasets.checks import Check
 from lsvib.datasets.io import read_dataset
-from lsvib.figures import build, style
+from lsvib.figures import build
 from lsvib.figures.configuration import load
+from lsvib.pictures import style
 
 STANDARD, COARSE = Path(__file__).parents[2] / "config" / "config.yaml", Path(__file__).with_name("coarse.yaml")
 Spoiler = Callable[[xr.Dataset], xr.Dataset]

@@ -5,7 +5,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from lsvib.figures import style
+from lsvib.pictures import style
 
 
 def rule_graph(folder: Path = Path()) -> dict[str, set[str]]:

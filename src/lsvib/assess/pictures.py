@@ -15,7 +15,7 @@ from matplotlib.ticker import EngFormatter
 from lsvib.assess.assessment import AssessedMotion, Assessment
 from lsvib.assess.chart import KINDS, Chart
 from lsvib.assess.words import MECHANISMS, entry_name
-from lsvib.figures import style
+from lsvib.pictures import style
 
 WIDTH = 3.7  # inch: on a phone one to one
 _COLOURS = {

@@ -217,7 +217,7 @@ class Files:
             if self.out:
                 write_dataset(dataset, parts[0], command)
             if self.figure:
-                from lsvib.figures.answers import draw
-                from lsvib.figures.style import save
+                from lsvib.pictures.answers import draw
+                from lsvib.pictures.style import save
 
                 save(draw(dataset), *parts[-2:])

@@ -69,6 +69,19 @@ def flagged(dims: Dims, values: Any, long_name: str, words: Words, **more: Any) 
     return dims, np.asarray(values, dtype=np.int8), attributes("1", long_name, **flags(words), **more)
 
 
+def flag_names(variable: xr.DataArray) -> dict[int, str]:
+    """Return the words of a flag variable by value, with spaces: ``{0: "stable node", …}``."""
+    words = [word.replace("_", " ") for word in variable.attrs["flag_meanings"].split()]
+    # A single flag comes back from a file as a scalar.
+    return dict(zip((int(value) for value in np.atleast_1d(variable.attrs["flag_values"])), words, strict=True))
+
+
+def named(variable: xr.DataArray, *words: str) -> np.ndarray:
+    """Return where a flag variable has one of the meanings ``words``, such as ``"stable node"``."""
+    values = {name: value for value, name in flag_names(variable).items()}
+    return np.isin(variable.values, [values[word] for word in words])
+
+
 def counted(flags: xr.DataArray) -> dict[str, int]:
     """Return how many values of a flag variable have each of its words, for the words that occur."""
     meanings = zip(flags.attrs["flag_meanings"].split(), flags.attrs["flag_values"], strict=True)

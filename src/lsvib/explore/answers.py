@@ -24,10 +24,10 @@ from lsvib.engine.kernels.layout import Status
 from lsvib.engine.motion import Budget, Motion
 from lsvib.errors import EngineError, LsvibError, WorkSpentError
 from lsvib.explore.view import View
-from lsvib.figures.attraction import COLOURS
 from lsvib.models import friction
 from lsvib.models.drive import Drive
 from lsvib.models.model import model_of
+from lsvib.pictures.attraction import COLOURS
 from lsvib.words import plain
 
 # Work after which what a motion ends on is unresolved, in events, without and with a friction law; the latter is that

@@ -25,9 +25,9 @@ from lsvib.explore import answers
 from lsvib.explore.controls import Controls
 from lsvib.explore.plots import Plots
 from lsvib.explore.view import View, around
-from lsvib.figures.attraction import COLOURS
 from lsvib.models import chapter, friction
 from lsvib.models.drive import PARTS
+from lsvib.pictures.attraction import COLOURS
 from lsvib.words import plain
 
 _TO_ADDRESS = """

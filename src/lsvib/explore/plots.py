@@ -29,9 +29,9 @@ from lsvib.dynamics.attractor import Attractor
 from lsvib.explore import answers
 from lsvib.explore.answers import Followed
 from lsvib.explore.view import View
-from lsvib.figures import style
-from lsvib.figures.attraction import COLOURS
 from lsvib.models.drive import Drive, described
+from lsvib.pictures import style
+from lsvib.pictures.attraction import COLOURS
 from lsvib.words import plain
 
 _TOOLS = "pan,wheel_zoom,box_zoom,reset,save"

@@ -13,9 +13,9 @@ import xarray as xr
 from lsvib.datasets.checks import Check
 from lsvib.datasets.io import read_dataset, write_dataset
 from lsvib.errors import InputError
-from lsvib.figures import style
 from lsvib.figures.configuration import PARTS, complete_settings, load, module_of, sources_of
 from lsvib.files import File, write_json, write_text
+from lsvib.pictures import style
 
 
 def compute_part(figure: str, part: str, given: Mapping[str, Any], file: File) -> None:

@@ -20,7 +20,6 @@ equilibria lie on their sides. In the **inconsistent** case W > 0, χ > 0 is law
 
 import math
 from enum import IntEnum
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -29,13 +28,11 @@ from lsvib.engine.automaton import Automaton, Branch, Guard, Mode, Surface, Tran
 from lsvib.engine.exact.modal_form import eigenform, oscillator
 from lsvib.engine.kernels.layout import DELTA, EQUILIBRIUM, R1, R2, Status, Test
 from lsvib.errors import InputError
+from lsvib.figures.common import Motion
 from lsvib.figures.printed_laws import lever
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
 from lsvib.models.names import Event
-
-if TYPE_CHECKING:
-    from lsvib.engine.motion import Motion
 
 
 class Paradox(IntEnum):
@@ -89,13 +86,13 @@ def contact_automaton(drive: Drive, paradox: Paradox, *, backwards: bool = False
     )
 
 
-def growing_part(motion: "Motion") -> float:
+def growing_part(motion: Motion) -> float:
     """Return the factor of the growing exponential of x on a motion's last arc, without end; 0 if nothing grows."""
     row, (x, rate) = motion.automaton.tables.flow[motion.end_mode], motion.end_state
     return (rate - row[R2] * (x - row[EQUILIBRIUM])) / (2 * row[DELTA]) if row[R1] > 0 else 0.0
 
 
-def outcome(motion: "Motion") -> ForceOutcome:
+def outcome(motion: Motion) -> ForceOutcome:
     """Return what becomes of the force, by the closed form of the last arc; one that still crosses N = 0 is bounded."""
     grows = growing_part(motion) if motion.status == Status.SETTLED else 0.0
     return (ForceOutcome.BOUNDED, ForceOutcome.PLUS_INFINITY, ForceOutcome.MINUS_INFINITY)[int(np.sign(grows))]

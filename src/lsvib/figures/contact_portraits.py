@@ -14,17 +14,18 @@ import numpy as np
 import xarray as xr
 
 from lsvib.datasets import spans
-from lsvib.datasets.attributes import Variables, attributes, drive_parameters, flagged, named_index, variable
+from lsvib.datasets.attributes import Variables, attributes, drive_parameters, flagged, named, named_index, variable
 from lsvib.datasets.checks import Check
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels.layout import A1, ALPHA, BETA, EQUILIBRIUM, R1, R2, Status
 from lsvib.errors import InputError
-from lsvib.figures import contact_force, drawing, style
-from lsvib.figures.common import EIGENVALUE, Figure, Motion, about, named
+from lsvib.figures import contact_force
+from lsvib.figures.common import EIGENVALUE, Figure, Motion, about
 from lsvib.figures.contact_force import ForceOutcome, Paradox
 from lsvib.figures.settings import ContactPortrait, Values
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
+from lsvib.pictures import drawing, style
 
 _LAWS = (1, -1)  # sgn(θ′) sgn(N), in the order of the dimension
 _UNIT = "kg-1 m-2"

@@ -11,11 +11,11 @@ from lsvib.datasets.attributes import CRITICAL_MASS, Variables, axis, drive_para
 from lsvib.datasets.checks import Check
 from lsvib.errors import InputError
 from lsvib.figures import settings as of
-from lsvib.figures import style
 from lsvib.figures.common import CRITICAL_MASS_WITH_CONTACT, about, critical_mass_with_contact
 from lsvib.models import chapter
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
+from lsvib.pictures import style
 from lsvib.stability.boundaries import place_values, stable_set
 from lsvib.stability.conditions import least_damping_of_stiff_contact, unstable_contact_stiffness
 from lsvib.stability.spectrum import eigenvalues, margins, polynomial

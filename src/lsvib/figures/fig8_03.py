@@ -8,15 +8,16 @@ import numpy as np
 import xarray as xr
 from pydantic import Field
 
+from lsvib.datasets import attributes as cf
 from lsvib.datasets import spans
-from lsvib.datasets.attributes import Variables, attributes, drive_parameters, flagged, variable, varied, yes_no
 from lsvib.datasets.checks import Check
-from lsvib.figures import drawing, printed_laws, style
-from lsvib.figures.common import about, flag_names, named
+from lsvib.figures import printed_laws
+from lsvib.figures.common import about
 from lsvib.figures.contact_force import Existence, existence
 from lsvib.figures.settings import DriveFigure, Span, Values
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
+from lsvib.pictures import drawing, style
 from lsvib.stability.spectrum import eigenvalue_pair
 
 CAPTION = """\
@@ -24,8 +25,8 @@ Stability of the steady sliding over effective inertia and effective damping, fr
 of the plane. Colours and words name the class; node and focus meet on the black curve.
 """
 
-_INERTIA = attributes("kg m2", "effective inertia", r"$\Gamma_0$")
-_DAMPING = attributes("N m s rad-1", "effective damping", "$C_0$")
+_INERTIA = cf.attributes("kg m2", "effective inertia", r"$\Gamma_0$")
+_DAMPING = cf.attributes("N m s rad-1", "effective damping", "$C_0$")
 _COLOURS = {  # stable classes in blues and greens, unstable ones in warm colours
     **{"stable node": "#9FD3C7", "stable focus": "#BFDDF2", "centre": style.GREY, "unstable focus": "#FBE3B5"},
     **{"unstable node": "#F4B78A", "saddle": "#E3C3D6", "degenerate": style.BLACK},
@@ -63,15 +64,15 @@ def build(settings: Values) -> xr.Dataset:
     along, words = "node_focus_effective_inertia", "effective damping where two eigenvalues meet"
     return xr.Dataset(
         {
-            "stability": flagged(plane, kinds, "class of the steady sliding", Stability),
-            "node_focus_effective_damping": variable(along, met, "N m s rad-1", words, "$C_0$"),
+            "stability": cf.flagged(plane, kinds, "class of the steady sliding", Stability),
+            "node_focus_effective_damping": cf.variable(along, met, "N m s rad-1", words, "$C_0$"),
         }
         | _many_drives(drive),
         coords={
             "effective_inertia": ("effective_inertia", inertia, _INERTIA),
             "effective_damping": ("effective_damping", damping, _DAMPING),
             along: (along, positive, _INERTIA),
-            **drive_parameters(drive, no_effect=Settings.unused),
+            **cf.drive_parameters(drive, no_effect=Settings.unused),
         },
         attrs=about(__doc__, "eigenvalues in closed form (8.18)", "Sect. 8.4, Fig. 8.3"),
     )
@@ -92,7 +93,7 @@ def _classes(inertia: np.ndarray, damping: np.ndarray, stiffness: float) -> np.n
     return np.select([*first_of.values()], [*first_of], Stability.SADDLE).astype(np.int8)
 
 
-def _many_drives(drive: Drive) -> Variables:
+def _many_drives(drive: Drive) -> cf.Variables:
     """Drives on both sides of every condition of (8.19) and (8.21): coefficients, growth, states without a solution."""
     tangent = float(np.tan(drive.lead_angle))
     mass = drive.screw_inertia / abs(tangent * drive.pitch_radius**2 * printed_laws.factor(drive, 1))  # m_cr
@@ -115,13 +116,13 @@ def _many_drives(drive: Drive) -> Variables:
     table = np.moveaxis(np.array(rows).reshape(*map(len, axes.values()), 6), -1, 0)
     dims = tuple(f"swept_{name}" for name in axes)
     return {
-        **varied(**{f"swept_{name}": values for name, values in axes.items()}),
-        "effective_inertia_plus": variable(dims, table[0], "kg m2", "effective inertia of law +", r"$\Gamma_+$"),
-        "effective_inertia_minus": variable(dims, table[1], "kg m2", "effective inertia of law -", r"$\Gamma_-$"),
+        **cf.varied(**{f"swept_{name}": values for name, values in axes.items()}),
+        "effective_inertia_plus": cf.variable(dims, table[0], "kg m2", "effective inertia of law +", r"$\Gamma_+$"),
+        "effective_inertia_minus": cf.variable(dims, table[1], "kg m2", "effective inertia of law -", r"$\Gamma_-$"),
         "swept_effective_inertia": (dims, table[2], _INERTIA),
         "swept_effective_damping": (dims, table[3], _DAMPING),
-        "growth_rate_of_steady_sliding": variable(dims, table[4], "s-1", "largest real part of an eigenvalue"),
-        "without_solution": yes_no(dims, table[5], "some state of the drive has no contact force"),
+        "growth_rate_of_steady_sliding": cf.variable(dims, table[4], "s-1", "largest real part of an eigenvalue"),
+        "without_solution": cf.yes_no(dims, table[5], "some state of the drive has no contact force"),
     }
 
 
@@ -129,10 +130,10 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     """Check the class map against the conditions of Sect. 8.4 and against eigenvalues of the matrix itself (LAPACK)."""
     inertia, damping = dataset.effective_inertia.values[:, None], dataset.effective_damping.values[None, :]
     stiffness = float(dataset.coupling_stiffness)
-    regular = ~named(dataset.stability, "degenerate")
-    stable = named(dataset.stability, "stable node", "stable focus")
+    regular = ~cf.named(dataset.stability, "degenerate")
+    stable = cf.named(dataset.stability, "stable node", "stable focus")
     wrong = int(np.sum(regular & (stable != ((inertia > 0) & (damping > 0)))))
-    saddles = named(dataset.stability, "saddle") == (inertia < 0)
+    saddles = cf.named(dataset.stability, "saddle") == (inertia < 0)
     ratio = dataset.node_focus_effective_damping**2 / (4 * stiffness * dataset.node_focus_effective_inertia)
     gamma, c = (x[inertia[:, 0] != 0].ravel() for x in np.broadcast_arrays(inertia, damping))
     jacobian = np.zeros((gamma.size, 2, 2))
@@ -213,8 +214,8 @@ def draw(dataset: xr.Dataset) -> style.Figure:
         axes.plot(dataset.node_focus_effective_inertia, met, label=name, **line)
     axes.axvline(0, **line)
     axes.plot([0, inertia[-1]], [0, 0], **line)
-    for name in flag_names(dataset.stability).values():
-        inside = dataset.stability.copy(data=named(dataset.stability, name))
+    for name in cf.flag_names(dataset.stability).values():
+        inside = dataset.stability.copy(data=cf.named(dataset.stability, name))
         if inside.mean() > 0.01:  # lines such as the centres have no region
             axes.text(inertia.where(inside).mean(), damping.where(inside).mean(), name, ha="center")
     style.frame(axes, "", inertia, damping, xlim=inertia[[0, -1]], ylim=damping[[0, -1]])

@@ -13,16 +13,16 @@ from pydantic_core import PydanticCustomError
 
 from lsvib.datasets import newton, phase_plane, spans
 from lsvib.datasets.analysis import analyse, value
-from lsvib.datasets.attributes import flagged, start_state, variable, varied, yes_no
+from lsvib.datasets.attributes import flag_names, flagged, named, start_state, variable, varied, yes_no
 from lsvib.datasets.checks import Check, quantity
-from lsvib.figures import drawing, style
-from lsvib.figures.common import about, flag_names, named, printed, spread
+from lsvib.figures.common import about, printed, spread
 from lsvib.figures.settings import MassPair, PhasePlane, Span, State, Values, parameter, several
 from lsvib.models import chapter
 from lsvib.models.chapter import claims
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
 from lsvib.models.rigid import MotionMode
+from lsvib.pictures import drawing, style
 
 CAPTION = """\
 Amplitude of the steady vibration against the axial force R for m = 1 kg and c_x = 1000 N s/m, with phase portraits at

@@ -7,16 +7,17 @@ import xarray as xr
 from pydantic import Field
 
 from lsvib.datasets import newton, phase_plane, spans
-from lsvib.datasets.attributes import flagged, variable
+from lsvib.datasets.attributes import flagged, named, variable
 from lsvib.datasets.checks import Check
-from lsvib.figures import drawing, printed_laws, style
-from lsvib.figures.common import about, named
+from lsvib.figures import printed_laws
+from lsvib.figures.common import about
 from lsvib.figures.contact_force import Existence, existence
 from lsvib.figures.settings import PhasePlane, Span, Values
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
 from lsvib.models.names import RULES, Event
 from lsvib.models.rigid import MotionMode
+from lsvib.pictures import drawing, style
 
 CAPTION = """\
 The four sectors of the phase plane in the region of Painlevé's paradoxes: no solution in the hatched sectors, two

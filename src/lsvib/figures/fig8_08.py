@@ -11,13 +11,14 @@ from lsvib.datasets import spans
 from lsvib.datasets.analysis import analyse, value
 from lsvib.datasets.attributes import CRITICAL_MASS, axis, drive_parameters, variable
 from lsvib.datasets.checks import Check
-from lsvib.figures import printed_laws, style
+from lsvib.figures import printed_laws
 from lsvib.figures.common import EIGENVALUE, about, printed
 from lsvib.figures.settings import Damping, DriveFigure, PositiveSpan, Values, several
 from lsvib.models import chapter
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
 from lsvib.numbers import bisected
+from lsvib.pictures import style
 from lsvib.stability.spectrum import eigenvalue_pair
 
 CAPTION = """\

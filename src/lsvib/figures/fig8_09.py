@@ -6,12 +6,13 @@ from pydantic import Field
 
 from lsvib.datasets import newton, phase_plane, spans
 from lsvib.datasets.analysis import analyse, value
-from lsvib.datasets.attributes import CRITICAL_MASS, axis, variable
+from lsvib.datasets.attributes import CRITICAL_MASS, axis, named, variable
 from lsvib.datasets.checks import Check
-from lsvib.figures import drawing, printed_laws, style
-from lsvib.figures.common import about, named, spread
+from lsvib.figures import printed_laws
+from lsvib.figures.common import about, spread
 from lsvib.figures.settings import DriveChanges, PhasePlane, PositiveSpan, Values, several
 from lsvib.models.drive import Drive
+from lsvib.pictures import drawing, style
 
 CAPTION = """\
 Trajectories of the rigid drive (a) below and (b) above the critical mass; triangles on the lines point forward in time.

@@ -7,16 +7,17 @@ import xarray as xr
 from pydantic import Field
 
 from lsvib.datasets import newton, phase_plane, spans
-from lsvib.datasets.attributes import Variables, axis, drive_parameters, flagged, quantity, start_state, variable
+from lsvib.datasets.attributes import Variables, axis, drive_parameters, flagged, named, quantity, start_state, variable
 from lsvib.datasets.checks import Check
-from lsvib.figures import drawing, impacts, style
+from lsvib.figures import impacts
 from lsvib.figures import settings as of
-from lsvib.figures.common import Motion, SteadyState, about, named, printed
+from lsvib.figures.common import Motion, SteadyState, about, printed
 from lsvib.models.chapter import claims
 from lsvib.models.drive import Drive
 from lsvib.models.mechanism import seated_state
 from lsvib.models.model import automaton_of, model_of
 from lsvib.models.names import COORDINATES
+from lsvib.pictures import drawing, style
 
 CAPTION = """\
 Compliant threads, k_c = c_c = 10⁸ (SI): (a) phase plane beside the rigid drive's cycle; (b) contact force on a broken

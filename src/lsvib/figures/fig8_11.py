@@ -4,11 +4,12 @@ import numpy as np
 import xarray as xr
 
 from lsvib.datasets import newton, phase_plane
+from lsvib.datasets.attributes import named
 from lsvib.datasets.checks import Check
-from lsvib.figures import drawing, style
-from lsvib.figures.common import about, named
+from lsvib.figures.common import about
 from lsvib.figures.settings import Damping, PhasePlane, Values, several
 from lsvib.models.drive import Drive
+from lsvib.pictures import drawing, style
 
 CAPTION = """\
 Sprag–slip cycles of the rigid drive for three levels of support damping c (assumed), each with its line of zero contact

@@ -7,16 +7,16 @@ import xarray as xr
 from pydantic import Field
 
 from lsvib.datasets import phase_plane, spans
-from lsvib.datasets.attributes import axis, drive_parameters, start_state, variable
+from lsvib.datasets.attributes import axis, drive_parameters, named, start_state, variable
 from lsvib.datasets.checks import Check
 from lsvib.errors import InputError
-from lsvib.figures import style
-from lsvib.figures.common import about, named
+from lsvib.figures.common import about
 from lsvib.figures.settings import DriveFigure, Span, State, Values
 from lsvib.models.drive import Drive
 from lsvib.models.names import RULES
 from lsvib.models.rigid import MotionMode
 from lsvib.numbers import bisected
+from lsvib.pictures import style
 
 CAPTION = """\
 Sprag–slip cycle over the support damping c: (a) amplitude, (b) mean deflection of the coupling and (c) mean contact

@@ -4,15 +4,15 @@ import numpy as np
 import xarray as xr
 
 from lsvib.datasets import newton, phase_plane
-from lsvib.datasets.attributes import drive_parameters, start_state, variable
+from lsvib.datasets.attributes import drive_parameters, named, start_state, variable
 from lsvib.datasets.checks import Check
-from lsvib.figures import drawing, style
-from lsvib.figures.common import CRITICAL_MASS_WITH_CONTACT, SteadyState, about, critical_mass_with_contact, named
+from lsvib.figures.common import CRITICAL_MASS_WITH_CONTACT, SteadyState, about, critical_mass_with_contact
 from lsvib.figures.fig8_10 import compliant_cycle, cycle_curves, cycle_motion
 from lsvib.figures.settings import Contact, DriveFigure, Samples, State, Values, several
 from lsvib.models import chapter
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
+from lsvib.pictures import drawing, style
 
 CAPTION = """\
 Softer contacts (assumed values): (a) cycles, (b) coupling deflection. The drives have the same mass, 11 kg, but stand

@@ -16,15 +16,15 @@ from pydantic import Field
 
 from lsvib.datasets import newton, phase_plane, spans
 from lsvib.datasets.analysis import analyse, value
-from lsvib.datasets.attributes import Variables, attributes, axis, flags, variable
+from lsvib.datasets.attributes import Variables, attributes, axis, flag_names, flags, named, variable
 from lsvib.datasets.checks import Check
-from lsvib.figures import drawing, style
-from lsvib.figures.common import Motion, about, flag_names, named, spread
+from lsvib.figures.common import Motion, about, spread
 from lsvib.figures.settings import Cells, MassPair, OpposingForces, PhasePlane, Values
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
 from lsvib.models.names import RULES, Event, Resume
 from lsvib.models.rigid import MotionMode
+from lsvib.pictures import drawing, style
 
 CAPTION = """\
 Trajectories under a negative axial force, c = 1e-3 N m s/rad, (a) for R = −50 N and (b) for R = −10 N, as in the

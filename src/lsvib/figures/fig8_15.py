@@ -9,15 +9,16 @@ from pydantic import Field
 
 from lsvib.datasets import newton, spans
 from lsvib.datasets.analysis import analyse, value
-from lsvib.datasets.attributes import drive_parameters, flagged, variable, varied
+from lsvib.datasets.attributes import drive_parameters, flagged, named, variable, varied
 from lsvib.datasets.checks import Check
-from lsvib.figures import drawing, printed_laws, style
-from lsvib.figures.common import about, named, over_map, printed, thinned
+from lsvib.figures import printed_laws
+from lsvib.figures.common import about, over_map, printed, thinned
 from lsvib.figures.settings import DriveFigure, PositiveSpan, Span, Values, parameter
 from lsvib.models import chapter
 from lsvib.models.drive import PART_OF, Drive
 from lsvib.models.mechanics import effective_inertia, together
 from lsvib.numbers import bisected
+from lsvib.pictures import drawing, style
 from lsvib.stability.boundaries import place_values
 from lsvib.stability.spectrum import UndampedClass, eigenvalues, reciprocal_squares, undamped_class
 

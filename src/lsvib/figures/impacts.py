@@ -11,10 +11,11 @@ import numpy as np
 import xarray as xr
 
 from lsvib.datasets import attributes as cf
+from lsvib.datasets.attributes import named
 from lsvib.datasets.checks import Check
 from lsvib.datasets.phase_plane import rule_coordinate, sample
 from lsvib.figures import printed_laws
-from lsvib.figures.common import Motion, named
+from lsvib.figures.common import Motion
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
 from lsvib.models.mechanism import seated_state

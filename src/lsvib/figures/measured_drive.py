@@ -2,7 +2,6 @@
 
 import json
 import math
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
 
@@ -14,10 +13,11 @@ from lsvib.datasets import spans
 from lsvib.datasets.attributes import VARIED, axis, named_index, parameter, variable
 from lsvib.datasets.checks import Check
 from lsvib.errors import InputError
-from lsvib.figures import style
 from lsvib.figures.common import about
 from lsvib.figures.settings import FigureSettings, PositiveSpan, Values
 from lsvib.models.drive import Drive
+from lsvib.pictures import style
+from lsvib.pictures.torque import RPM, residual_panel, torque_panel
 
 CAPTION = """\
 Drive 1 of Mablekos-Alexiou, da Cruz and Bergeles (IEEE Trans. Robotics 37:1252, 2021): a screw of 12 mm with a lead of
@@ -42,7 +42,6 @@ friction depends on the place.
 ENDS = ("threads", "bearing")  # where the fit puts friction at rest above that of sliding: in all, or in the bearing
 FOLDER = Path(__file__).parents[3] / "examples" / "measured_screw" / "drive1"
 TABLES = tuple(sorted(FOLDER.glob("*.csv")))
-RPM = math.pi / 30  # rad/s
 LEAD, RADIUS = 2e-3, 5.5e-3  # m
 LOAD = -0.096 * 9.80665  # N, travel at positive speed lowers it
 SLOW, EVEN = 2 * RPM, 10 * RPM  # rad/s: speeds at which the screw jerked, and from which on it turned evenly
@@ -387,48 +386,3 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     for axes, title in zip((torque, record, limit, residual), titles, strict=True):
         axes.set_title(title)
     return figure
-
-
-def torque_panel(axes: style.Axes, dataset: xr.Dataset) -> None:
-    """Draw the magnitudes of torques over that of the speed, with their scatter, and the law of the first end."""
-    laws = np.abs(dataset.law_torque.isel(end=0)) * 1e3
-    for sign, colour, mark, words, own in _ways(dataset):
-        points = dataset.isel(point=own)
-        axes.errorbar(
-            np.abs(points.measured_speed) / RPM, np.abs(points.measured_torque) * 1e3, points.torque_scatter * 1e3,
-            fmt=mark, color=colour, markersize=3, elinewidth=0.5, label=f"measured, {words}",
-        )  # fmt: skip
-        label = f"fitted law, {words}"
-        for law in laws:
-            sense = sign * int(np.sign(law.load_case) or 1)
-            if sense in dataset.direction:
-                axes.plot(dataset.law_speed / RPM, law.sel(direction=sense), color=colour, linewidth=1, label=label)
-                label = ""
-    low, high = axes.get_ylim()
-    axes.set(
-        xlabel="Speed of the screw [rpm]", ylabel="Torque of the motor [mN m]", ylim=(low, high + 0.25 * (high - low))
-    )
-    axes.legend(fontsize=7, ncols=2, loc="upper left")
-
-
-def residual_panel(axes: style.Axes, dataset: xr.Dataset) -> None:
-    """Draw what the fit leaves over, by end, with the standard error of each mean, over the speed."""
-    error = dataset.torque_scatter / np.sqrt(dataset.samples) * 1e3
-    for _, colour, mark, words, own in _ways(dataset):
-        speed = np.abs(dataset.measured_speed[own]) / RPM
-        first, *others = dataset.residual[:, own] * 1e3
-        axes.errorbar(speed, first, error[own], fmt=mark, color=colour, markersize=3, elinewidth=0.5, label=words)
-        for end in others:
-            axes.plot(speed, end, "x", color=colour, markersize=3, label=f"{words}, bearing end")
-    axes.axhline(0, color=style.GREY, linewidth=0.6)
-    axes.set(xlabel="Speed of the screw [rpm]", ylabel="Torque [mN m]")
-    axes.legend(fontsize=7)
-
-
-def _ways(dataset: xr.Dataset) -> Iterator[tuple[int, str, str, str, np.ndarray]]:
-    """Lifting and lowering, as far as measured: sign of speed times load, colour, mark, words, indices of points."""
-    for sign, colour, mark, words in ((1, style.VERMILION, "o", "lifting"), (-1, style.BLUE, "s", "lowering")):
-        towards = dataset.measured_load.where(dataset.measured_load != 0, 1.0)  # a preloaded nut may have no load
-        own = np.flatnonzero(np.sign(dataset.measured_speed * towards) == sign)
-        if own.size:
-            yield sign, colour, mark, words, own

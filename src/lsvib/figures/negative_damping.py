@@ -6,13 +6,14 @@ import numpy as np
 import xarray as xr
 
 from lsvib.datasets import newton, phase_plane
-from lsvib.datasets.attributes import variable
+from lsvib.datasets.attributes import named, variable
 from lsvib.datasets.checks import Check
-from lsvib.figures import drawing, printed_laws
-from lsvib.figures.common import EIGENVALUE, Figure, about, named, spread
+from lsvib.figures import printed_laws
+from lsvib.figures.common import EIGENVALUE, Figure, about, spread
 from lsvib.figures.settings import PhasePlane, Values
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
+from lsvib.pictures import drawing
 from lsvib.stability.conditions import conditions
 from lsvib.stability.spectrum import eigenvalue_pair
 

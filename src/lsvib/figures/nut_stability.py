@@ -4,16 +4,17 @@ import numpy as np
 import xarray as xr
 from pydantic import Field
 
+from lsvib.datasets import attributes as cf
 from lsvib.datasets import newton, spans
-from lsvib.datasets.attributes import CRITICAL_MASS, drive_parameters, flagged, origin_of, parameter, variable, varied
 from lsvib.datasets.checks import Check
 from lsvib.errors import InputError
-from lsvib.figures import drawing, printed_laws, style
-from lsvib.figures.common import about, named, over_map, thinned
+from lsvib.figures import printed_laws
+from lsvib.figures.common import about, over_map, thinned
 from lsvib.figures.settings import DriveFigure, PositiveSpan, Span, Values
 from lsvib.models import chapter
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients, effective_inertia, together
+from lsvib.pictures import drawing, style
 from lsvib.stability.boundaries import place_values
 from lsvib.stability.spectrum import UndampedClass, eigenvalues, polynomial, reciprocal_squares, undamped_class
 
@@ -52,21 +53,21 @@ def build(settings: Values) -> xr.Dataset:
     kinds, plane = undamped_class(grid, law=1), ("friction_coefficient", "nut_inertia")
     holds = "friction coefficient from which on (8.33) holds, missing if from none"
     own, drawn, closed_form = drive.friction_coefficient, "drawn_friction_coefficient", "critical mass, in closed form"
-    origin, deflection = origin_of("friction_coefficient", own), float(coefficients(drive).deflection)
+    origin, deflection = cf.origin_of("friction_coefficient", own), float(coefficients(drive).deflection)
     by, mu = "critical mass, where an eigenvalue 1/omega^2 passes through zero", _boundary_friction(drive, inertia)
     return xr.Dataset(
         {
-            "critical_mass_with_nut": variable("nut_inertia", closed, "kg", closed_form, r"$m_\mathrm{cr}$"),
-            "critical_mass_with_nut_by_eigenvalues": variable("nut_inertia", passing, "kg", by, r"$m_\mathrm{cr}$"),
-            "stability": flagged(plane, kinds, "class of the steady sliding", UndampedClass, comment="undamped"),
+            "critical_mass_with_nut": cf.variable("nut_inertia", closed, "kg", closed_form, r"$m_\mathrm{cr}$"),
+            "critical_mass_with_nut_by_eigenvalues": cf.variable("nut_inertia", passing, "kg", by, r"$m_\mathrm{cr}$"),
+            "stability": cf.flagged(plane, kinds, "class of the steady sliding", UndampedClass, comment="undamped"),
         },
         coords={
-            "critical_friction_with_nut": variable("nut_inertia", mu, "1", holds, r"$\mu$"),
-            **varied(nut_inertia=inertia, friction_coefficient=friction),
-            "critical_mass": ((), rigid, CRITICAL_MASS),
-            drawn: ((), own, parameter(drawn, origin, comment="of the critical masses")),
-            "steady_deflection": variable((), deflection, "rad", "coupling deflection in steady sliding", "$z_0$"),
-            **drive_parameters(
+            "critical_friction_with_nut": cf.variable("nut_inertia", mu, "1", holds, r"$\mu$"),
+            **cf.varied(nut_inertia=inertia, friction_coefficient=friction),
+            "critical_mass": ((), rigid, cf.CRITICAL_MASS),
+            drawn: ((), own, cf.parameter(drawn, origin, comment="of the critical masses")),
+            "steady_deflection": cf.variable((), deflection, "rad", "coupling deflection in steady sliding", "$z_0$"),
+            **cf.drive_parameters(
                 drive,
                 axes=plane,
                 printed=("Sect. 8.6",),
@@ -139,11 +140,11 @@ def _class_checks(dataset: xr.Dataset, drive: Values) -> list[Check]:
     grid = over_map(dataset, drive)
     screw, reduced = _reduced(grid)
     clear = np.abs(reduced) > 1e-9 * screw  # closer to (8.33) rounding may decide
-    kinematic, other = (named(dataset.stability, *x) for x in (["kinematic constraint"], ["flutter", "divergence"]))
+    kinematic, other = (cf.named(dataset.stability, *x) for x in (["kinematic constraint"], ["flutter", "divergence"]))
     part = thinned(dataset.assign(clear=(dataset.stability.dims, clear)), 40)
     wrong = int(np.sum(clear & (kinematic != (reduced < 0))))
     grows = eigenvalues(over_map(part, drive), law=1)[..., -1].real > 0
-    differ = part.clear.values & (grows != named(part.stability, "kinematic constraint"))
+    differ = part.clear.values & (grows != cf.named(part.stability, "kinematic constraint"))
     opposite = np.sum(clear & ((polynomial(grid, law=1)[0] < 0) != kinematic))
     edge, friction = dataset.critical_friction_with_nut.values, dataset.friction_coefficient.values[:, None]
     off = np.sum(clear & (kinematic != (friction > edge)))  # no edge: none

@@ -5,8 +5,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from lsvib.datasets.attributes import named
 from lsvib.datasets.checks import Check
-from lsvib.figures.common import named
 
 
 def factor(p: Any, law: Any) -> Any:

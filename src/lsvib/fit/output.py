@@ -10,14 +10,14 @@ import xarray as xr
 
 from lsvib.assess.words import environment
 from lsvib.datasets.io import write_dataset
-from lsvib.figures import style
-from lsvib.figures.measured_drive import residual_panel, torque_panel
 from lsvib.files import check_outputs, replacing, write_json, write_text
 from lsvib.fit.dataset import fit_variables
 from lsvib.fit.law import LARGEST_STATIC, PARAMETERS, STATIC, Solution, load_of_directions
 from lsvib.fit.records import Record
 from lsvib.fit.sheet import FittedSheet, above, fit_sheet, spread
 from lsvib.fit.stick_slip import StickSlip
+from lsvib.pictures import style
+from lsvib.pictures.torque import residual_panel, torque_panel
 
 _FILES = ("fit.nc", "fit.json", "fit.png", "fit.pdf", "friction.yaml")
 _ENDS = {

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from lsvib.figures import style
-from lsvib.figures.common import flag_names, named
+from lsvib.datasets.attributes import flag_names, named
+from lsvib.pictures import style
 
 MOTIONS = (style.BLUE, style.ORANGE, style.SKY, style.PURPLE)
 _ARROW = 10.0  # size of the arrows of time, in points
@@ -156,12 +156,6 @@ def draw_arrows(axes: style.Axes, case: xr.Dataset) -> None:
 def mark_origin(axes: style.Axes) -> None:
     """Mark steady sliding, the origin."""
     axes.plot(0, 0, "+", color=style.BLACK, markersize=6, markeredgewidth=1.2, label="steady sliding", zorder=4)
-
-
-def edges(axis: xr.DataArray) -> np.ndarray:
-    """Return the edges of the cells of an axis."""
-    half = 0.5 * float(axis.attrs["cell_width"])
-    return np.append(axis.values - half, axis.values[-1] + half)
 
 
 def regions(axes: style.Axes, x: Any, y: Any, flags: xr.DataArray, colours: Mapping[str, str], **look: Any) -> None:

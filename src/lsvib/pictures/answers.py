@@ -10,14 +10,13 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from lsvib.datasets.attributes import quantity
+from lsvib.datasets.attributes import flag_names, named, quantity
 from lsvib.datasets.io import read_dataset
 from lsvib.datasets.phase_plane import curve, orbits
 from lsvib.errors import InputError
-from lsvib.figures import attraction, chart, style
-from lsvib.figures.common import flag_names, named
 from lsvib.models.drive import Drive
 from lsvib.numbers import shown
+from lsvib.pictures import attraction, chart, style
 
 _STATE = "velocity_deviation"  # which every motion has
 _CAN = "motions, sweeps of one or two parameters, cycles, branches, basins, and maps of u and w can"

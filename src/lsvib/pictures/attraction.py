@@ -1,0 +1,79 @@
+"""Map of regions of attraction: the attractor as colour, the time until it is reached as shade."""
+
+import numpy as np
+import xarray as xr
+
+from lsvib.datasets.attributes import flag_names
+from lsvib.errors import InputError
+from lsvib.pictures import drawing, style
+
+COLOURS = {
+    "steady sliding": style.SKY,
+    "stick slip cycle": style.GREEN,
+    "sprag slip cycle": style.ORANGE,
+    "other cycle": style.PURPLE,
+    "neutral family": style.BLUE,
+    "unbounded": style.GREY,
+    "rest": style.YELLOW,
+    "unresolved": style.BLACK,
+}
+
+
+@style.styled
+def draw(dataset: xr.Dataset) -> style.Figure:
+    """Draw the map of u and w, if there is one, with the lines Q = 0 and θ′ = 0, the boundary if known, and cycles.
+
+    Raises ``InputError`` for a map of other coordinates.
+    """
+    if "label" in dataset and not {"angle_deviation", "velocity_deviation"} <= set(dataset.label.dims):
+        raise InputError("only maps of u and w can be drawn.")
+    figure = style.new_figure(style.DOUBLE, 3.8)
+    axes = figure.add_subplot()
+    first = draw_map(axes, dataset) if "label" in dataset else []
+    if "boundary_angle" in dataset:
+        boundary = dataset.boundary_angle, dataset.boundary_velocity
+        axes.plot(*boundary, color=style.BLACK, linewidth=0.9, label="exact boundary")
+    for index in range(dataset.sizes.get("cycle", 0)):
+        one = dataset.isel(cycle=index)
+        repels = "attracting" in one and not one.attracting
+        look = (style.VERMILION, 1.4, "cycle that does not attract") if repels else (style.BLUE, 1.4)
+        drawing.draw_cycle(axes, one, *look)
+    drawing.mark_origin(axes)
+    if first:
+        axes.axis(_limits(dataset))
+    if "contact_line_angle" in dataset:
+        drawing.draw_lines(axes, dataset, style.VERMILION, "$Q = 0$")
+    drawing.label_axes(axes, dataset)
+    return style.legend(figure, [axes], 1, first, "outside right upper")
+
+
+def draw_map(axes: style.Axes, dataset: xr.Dataset) -> list:
+    """Draw the cells, the paler the longer it takes within a region; returns patches for the legend."""
+    from matplotlib.colors import to_rgb
+    from matplotlib.patches import Patch
+
+    label = dataset.label.transpose("velocity_deviation", "angle_deviation")
+    time = dataset.settling_time.transpose(*label.dims).values if "settling_time" in dataset else None
+    image, patches = np.ones((*label.shape, 3)), []
+    fractions = dict(zip(dataset.attractor.values.tolist(), dataset.fraction.values.tolist(), strict=True))
+    for value, name in flag_names(label).items():
+        here = label.values == value
+        if not here.any():
+            continue
+        words, share = f"{name.replace(' cycle', '')}: {100 * fractions[value]:.2f} %", np.full(here.sum(), 0.8)
+        if time is not None and np.isfinite(time[here]).any():
+            low, high = np.nanmin(time[here]), np.nanmax(time[here])
+            # The palest shade has 0.35 of a colour.
+            shade = 1 - 0.65 * ((time[here] - low) / (high - low) if high > low else 0 * time[here])
+            share = np.where(np.isfinite(shade), shade, share)
+            words += f", palest {high:.2g} {dataset.settling_time.attrs['units']}"
+        image[here] = 1 - share[:, None] * (1 - np.array(to_rgb(COLOURS[name])))
+        patches.append(Patch(color=COLOURS[name], label=words))
+    axes.imshow(image, origin="lower", extent=_limits(dataset), aspect="auto", interpolation="nearest", zorder=0)
+    return patches
+
+
+def _limits(dataset: xr.Dataset) -> tuple[float, float, float, float]:
+    """The outer edges of the cells: left, right, bottom, top."""
+    sides = ((x, 0.5 * float(x.attrs["cell_width"])) for x in (dataset.angle_deviation, dataset.velocity_deviation))
+    return tuple(edge for x, half in sides for edge in (float(x[0]) - half, float(x[-1]) + half))
