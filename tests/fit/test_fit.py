@@ -17,7 +17,7 @@ from lsvib.assess.quantities import square_coefficient
 from lsvib.assess.sheet import Friction
 from lsvib.datasets.io import read_dataset
 from lsvib.errors import InputError
-from lsvib.fit.law import STATIC, Measured, fitted, halves, steady_torque
+from lsvib.fit.law import BREAKAWAY, Measured, fitted, halves, steady_torque
 from lsvib.fit.output import as_json, blocks, sentences
 from lsvib.fit.sheet import fit_sheet
 from lsvib.fit.tables import Recording, steady_point
@@ -41,7 +41,7 @@ def test_the_measured_screw_is_fitted_at_both_ends(screw):
         assert end.rms <= 0.045e-3
         assert np.abs(end.residual).max() <= 0.12e-3
         assert end.values["stribeck_rise"] > 4 * end.errors["stribeck_rise"]
-    assert screw.fit.not_separable == (("friction_coefficient", "coulomb"), ("friction_slope", "viscous"), STATIC)
+    assert screw.fit.not_separable == (("friction_coefficient", "coulomb"), ("friction_slope", "viscous"), BREAKAWAY)
     assert sum("not separable" in sentence for sentence in sentences(screw)) == 2
     assert not any("poorly" in sentence for sentence in sentences(screw))
 
@@ -100,7 +100,7 @@ def test_the_published_bearing_gives_a_friction_near_the_published(screw, tmp_pa
     path.write_text(yaml.safe_dump(sheet))
     (tmp_path / "examples").symlink_to(ROOT / "examples")
     found = fit_sheet(path)
-    assert found.fit.not_separable == (STATIC,)
+    assert found.fit.not_separable == (BREAKAWAY,)
     assert found.fit.main.values["friction_coefficient"] == pytest.approx(0.27, abs=0.05)
     assert "; static friction above sliding in the threads." in blocks(as_json(found))
 
@@ -339,7 +339,7 @@ def breaking_loose(loads, random, static=0.3, holds=0.3, error=0.01):
 def test_static_friction_of_threads_and_bearing_is_told_by_two_loads(trials):
     """In 95 % of sets of four breakaway torques within 1.96 standard errors, less four deviations of the count."""
     sets = [breaking_loose((300.0, 900.0), np.random.default_rng(trial)) for trial in range(trials)]
-    found = np.array([[one.main.static[name] for name in STATIC] for one in sets])
+    found = np.array([[one.main.static[name] for name in BREAKAWAY] for one in sets])
     inside = (np.abs(found[..., 0] - 0.3) <= 1.96 * found[..., 1]).sum(axis=0)
     assert (inside >= trials * (0.95 - 4 * math.sqrt(0.95 * 0.05 / trials))).all()
 
@@ -347,14 +347,14 @@ def test_static_friction_of_threads_and_bearing_is_told_by_two_loads(trials):
 def test_one_load_tells_both_ends_of_static_friction():
     """Their sum: the truth lies between them; and what is not above sliding is none."""
     found = breaking_loose((300.0,), np.random.default_rng(1))
-    assert found.not_separable == (STATIC,)
+    assert found.not_separable == (BREAKAWAY,)
     threads, bearing = (found.ends[end] for end in ("threads", "bearing"))
-    assert set(threads.static) | set(bearing.static) == set(STATIC)
-    assert threads.static[STATIC[0]][0] > 0.3
-    assert bearing.bearing()[STATIC[1]] > 0.3 > bearing.values["coulomb"]
+    assert set(threads.static) | set(bearing.static) == set(BREAKAWAY)
+    assert threads.static[BREAKAWAY[0]][0] > 0.3
+    assert bearing.bearing()[BREAKAWAY[1]] > 0.3 > bearing.values["coulomb"]
     held = 0.3 + 9e-3 * 300 * math.tan(math.atan(0.3))
     slow = bearing.values["friction_coefficient"] + bearing.values["stribeck_rise"]
-    assert bearing.static[STATIC[1]][0] + 9e-3 * 300 * slow == pytest.approx(held, rel=0.02)
+    assert bearing.static[BREAKAWAY[1]][0] + 9e-3 * 300 * slow == pytest.approx(held, rel=0.02)
     low = breaking_loose((300.0, 900.0), np.random.default_rng(1), static=0.1, holds=0.0)
     assert low.main.static == {}
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from lsvib.datasets.attributes import Variable, Variables, named_index, variable
-from lsvib.fit.law import PARAMETERS, STATIC, Array, Fit, halves, steady_torque
+from lsvib.fit.law import BREAKAWAY, PARAMETERS, Array, Fit, halves, steady_torque
 from lsvib.fit.tables import Point
 
 CURVE = 200  # speeds at which the fitted law is stated, evenly spaced in logarithm
@@ -45,7 +45,7 @@ def fit_variables(fit: Fit, points: Sequence[Point]) -> tuple[Variables, Variabl
         ),
     }  # fmt: skip
     static = (("1", "static friction coefficient of the threads"), ("N m", "static friction of the bearing"))
-    for name, (unit, words) in (PARAMETERS | dict(zip(STATIC, static, strict=True))).items():
+    for name, (unit, words) in (PARAMETERS | dict(zip(BREAKAWAY, static, strict=True))).items():
         known = [{key: (x, end.errors.get(key, 0.0)) for key, x in end.values.items()} | end.static for end in ends]
         values, errors = np.array([one.get(name, (math.nan, math.nan)) for one in known]).T
         variables[f"fitted_{name}"] = variable("end", values, unit, f"fitted {words}")

@@ -46,7 +46,7 @@ PARAMETERS = {  # unit and words, those of the law as parameters of a drive have
 }
 OF_RISE = ("stribeck_rise", "stribeck_speed")
 PAIRS = (("friction_coefficient", "coulomb"), ("friction_slope", "viscous"))  # of the threads, and of the bearing
-STATIC = ("static_friction_coefficient", "bearing_static_friction")  # likewise
+BREAKAWAY = ("static_friction_coefficient", "bearing_static_friction")  # friction at rest, likewise
 DETERMINED = 0.1  # of the typical torque: largest standard error of what counts as determined
 LARGEST_STATIC = 3.0  # coefficient, as in a data sheet
 LOSS = 3.0  # standard deviations from which on a residual counts as an outlier
@@ -126,8 +126,8 @@ class Solution:
     """Numbers that fit the points, by names of :data:`PARAMETERS` and ``stribeck_exponent``.
 
     ``free``: the names that were fitted, in the order of ``covariance`` (f, f); ``residual`` (n) [N m], measured less
-    fitted. ``static``: static friction with its standard error, by names of :data:`STATIC`, where it is above that of
-    sliding; ``absurd``: number of breakaway torques that no static coefficient explains.
+    fitted. ``static``: static friction with its standard error, by names of :data:`BREAKAWAY`, where it is above that
+    of sliding; ``absurd``: number of breakaway torques that no static coefficient explains.
     """
 
     values: dict[str, float]
@@ -168,12 +168,12 @@ class Solution:
             law |= {name: self.values[name] for name in (*OF_RISE, "stribeck_exponent")}
         if self.values["friction_slope"]:
             law["friction_slope"] = self.values["friction_slope"]
-        return law | {name: value for name, (value, _) in self.static.items() if name == STATIC[0]}
+        return law | {name: value for name, (value, _) in self.static.items() if name == BREAKAWAY[0]}
 
     def bearing(self) -> dict[str, float]:
         """Return dry friction of the bearing as parameters of a drive, those that are not zero."""
         found = {"bearing_friction": self.values["coulomb"]} if self.values["coulomb"] else {}
-        return found | {name: value for name, (value, _) in self.static.items() if name == STATIC[1]}
+        return found | {name: value for name, (value, _) in self.static.items() if name == BREAKAWAY[1]}
 
 
 @dataclass(frozen=True)
@@ -248,7 +248,7 @@ def fitted(measured: Measured, given: Mapping[str, float] | None = None) -> Fit:
     static = any(end.static for end in found.values())
     apart = _apart(measured, first) if static and not lost else {}
     if static and (lost or apart is None):
-        lost = (*lost, STATIC)
+        lost = (*lost, BREAKAWAY)
     if not lost:
         found = {"fit": replace(found["threads"], static=apart or {})}
     _same_sign(measured, found)
@@ -439,7 +439,7 @@ def _with_static(measured: Measured, solution: Solution, end: str) -> Solution:
     error = math.hypot(measured.loose * float(np.median(held) if bearing else middle), error)
     known = (middle, error if error or found.size > 1 else math.nan)
     above = middle > (coulomb if bearing else slow)
-    return replace(solution, static={STATIC[bearing]: known} if above else {}, absurd=absurd)
+    return replace(solution, static={BREAKAWAY[bearing]: known} if above else {}, absurd=absurd)
 
 
 def _sliding(solution: Solution) -> tuple[float, float]:
@@ -473,7 +473,7 @@ def _apart(measured: Measured, solution: Solution) -> dict[str, Number] | None:
         return None
     if (at < least).any():  # all that is above sliding is in the other one
         return _with_static(measured, solution, "bearing" if at[0] < least[0] else "threads").static
-    return {name: (float(x), float(dx)) for name, x, dx in zip(STATIC, at, error, strict=True)}
+    return {name: (float(x), float(dx)) for name, x, dx in zip(BREAKAWAY, at, error, strict=True)}
 
 
 def load_of_directions(measured: Measured, solution: Solution) -> float | None:

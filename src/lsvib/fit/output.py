@@ -12,7 +12,7 @@ from lsvib.assess.words import environment
 from lsvib.datasets.io import write_dataset
 from lsvib.files import check_outputs, replacing, write_json, write_text
 from lsvib.fit.dataset import fit_variables
-from lsvib.fit.law import LARGEST_STATIC, PARAMETERS, STATIC, Solution, load_of_directions
+from lsvib.fit.law import BREAKAWAY, LARGEST_STATIC, PARAMETERS, Solution, load_of_directions
 from lsvib.fit.records import Record
 from lsvib.fit.sheet import FittedSheet, above, fit_sheet, spread
 from lsvib.fit.stick_slip import StickSlip
@@ -29,7 +29,7 @@ _AT_REST = {  # ends of static friction alone
     "threads": "Static friction above sliding in the threads",
     "bearing": "Static friction above sliding in the bearing",
 }
-_IN_BEARING = {STATIC[1]: "static"}  # what is called otherwise in the block `bearing`
+_IN_BEARING = {BREAKAWAY[1]: "static"}  # what is called otherwise in the block `bearing`
 POOR = 0.1  # of the typical torque: residuals beyond are no good fit
 NONE = 0.3  # of the typical torque: a law that leaves more rms is none to copy
 
@@ -163,7 +163,7 @@ def _rendered(template: str, **values: Any) -> str:
     constants = {
         "POOR": POOR,
         "NONE": NONE,
-        "ENDS": _AT_REST if [tuple(pair) for pair in values["not_separable"]] == [STATIC] else _ENDS,
+        "ENDS": _AT_REST if [tuple(pair) for pair in values["not_separable"]] == [BREAKAWAY] else _ENDS,
         "PARAMETERS": PARAMETERS | {"static": ("N m",)},
         "LARGEST_STATIC": LARGEST_STATIC,
     }
@@ -177,7 +177,7 @@ def blocks(result: dict[str, Any]) -> str:
     Each is introduced by a comment. Nothing but a comment where the law leaves so much of the torque that it is none.
     """
     rubs, brakes, holds = (result["bearing"].get(name, 0.0) for name in ("coulomb", "viscous", "static"))
-    of_bearing = {"bearing_friction": rubs, STATIC[1]: holds, "support_damping": brakes}
+    of_bearing = {"bearing_friction": rubs, BREAKAWAY[1]: holds, "support_damping": brakes}
     parts = result["friction"] | {name: value for name, value in of_bearing.items() if value}
     jerks = result["stick_slip"]
     if jerks and jerks["damping"]:

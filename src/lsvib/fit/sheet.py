@@ -18,7 +18,7 @@ from lsvib.assess.fields import NotQuantity, Spread
 from lsvib.assess.quantities import GRAVITY, flank_coefficient, square_coefficient, thread_geometry
 from lsvib.assess.sheet import Part, Thread
 from lsvib.errors import InputError
-from lsvib.fit.law import STATIC, Array, Fit, Measured, Solution, fitted, steady_torque
+from lsvib.fit.law import BREAKAWAY, Array, Fit, Measured, Solution, fitted, steady_torque
 from lsvib.fit.records import Record, look
 from lsvib.fit.starts import Number
 from lsvib.fit.stick_slip import StickSlip, breaking, combined, explained
@@ -250,7 +250,7 @@ class FittedSheet:
         law, angle = solution.drive(), self.fit.measured.lead_angle
         to_flank = float(flank_coefficient(1.0, angle, self.half_angle))
         known = {name: (value, solution.errors.get(name, 0.0)) for name, value in law.items()} | solution.static
-        share = above(known, "friction_coefficient", "stribeck_rise", STATIC[0])
+        share = above(known, "friction_coefficient", "stribeck_rise", BREAKAWAY[0])
         found: dict[str, Any] = {
             entry: spread(known[name], share(name), to_flank, "s/m" if entry == "slope" else "")
             for entry, name in OF_FLANKS.items()
