@@ -52,19 +52,6 @@ def printed(id: str, words: str) -> Variable:
     return variable((), claim.value, claim.unit, f"{words}, as printed", relative_tolerance=claim.tolerance)
 
 
-def flag_names(variable: xr.DataArray) -> dict[int, str]:
-    """Return the words of a flag variable by value, with spaces: ``{0: "stable node", …}``."""
-    words = [word.replace("_", " ") for word in variable.attrs["flag_meanings"].split()]
-    # A single flag comes back from a file as a scalar.
-    return dict(zip((int(value) for value in np.atleast_1d(variable.attrs["flag_values"])), words, strict=True))
-
-
-def named(variable: xr.DataArray, *words: str) -> np.ndarray:
-    """Return where a flag variable has one of the meanings ``words``, such as ``"stable node"``."""
-    values = {name: value for value, name in flag_names(variable).items()}
-    return np.isin(variable.values, [values[word] for word in words])
-
-
 def thinned(dataset: xr.Dataset, most: int) -> xr.Dataset:
     """Return the map ``stability`` with what else lies over its axes, at ``most`` rows and columns at the most."""
     return dataset.isel({name: spans.evenly_chosen(dataset.sizes[name], most) for name in dataset.stability.dims})
