@@ -60,6 +60,7 @@ CONF
 }
 
 stop_daemons() {
+    [ -e "$home" ] || { echo "No Slurm was started here." >&2 && exit 1; }
     for daemon in slurmd slurmctld munged; do
         pid=$(cat "$home/$daemon.pid" 2>/dev/null) || continue
         kill "$pid" || true
@@ -71,6 +72,6 @@ stop_daemons() {
 
 case "${1:-}" in
     start) start_daemons ;;
-    stop) [ -e "$home" ] && stop_daemons || echo "No Slurm was started here." >&2 ;;
+    stop) stop_daemons ;;
     *) echo "usage: $0 start | stop" >&2 && exit 2 ;;
 esac

@@ -1,10 +1,12 @@
 """Files that appear whole or not at all."""
 
+import glob
 import json
 import os
 import shutil
 import signal
 import threading
+import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -13,6 +15,7 @@ from typing import Any
 from lsvib.errors import LsvibError
 
 File = str | os.PathLike[str]
+_ABANDONED = 3600.0  # s without a write, after which a temporary file is that of a process that was killed
 WRITING = threading.Lock()  # held while a file is written that an interrupt must not leave half done
 
 
@@ -53,11 +56,16 @@ def replacing(*paths: File) -> Iterator[list[Path]]:
     """
     check_outputs(paths)
     targets = [Path(os.path.realpath(path)) for path in paths]
-    parts = [target.with_name(f".{target.name}.part") for target in targets]
+    # Another process may write the same file: a job that outlived its run, beside that of the next run.
+    parts = [target.with_name(f".{target.name}.{os.getpid()}.part") for target in targets]
     new = [folder for target in targets for folder in target.parents if not folder.exists()]
     try:
         for target in targets:
             target.parent.mkdir(parents=True, exist_ok=True)
+            for old in target.parent.glob(f".{glob.escape(target.name)}.*.part"):  # of a process that was killed
+                with suppress(FileNotFoundError):
+                    if time.time() - old.stat().st_mtime > _ABANDONED:
+                        old.unlink()
         yield parts
         for part, target in zip(parts, targets, strict=True):
             if target.exists():

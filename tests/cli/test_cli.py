@@ -137,12 +137,14 @@ def test_links_are_followed_and_old_results_replaced(run, tmp_path):
 
 
 def test_a_file_keeps_its_mode_and_what_a_killed_run_left_goes(run, tmp_path):
-    for name in ("x.nc", ".x.nc.part"):
+    """What another process writes at this time, such as a job that outlived its run, stays."""
+    for name in ("x.nc", ".x.nc.1.part", ".x.nc.2.part"):
         (tmp_path / name).write_text("old")
+    os.utime(tmp_path / ".x.nc.1.part", (0, 0))
     (tmp_path / "x.nc").chmod(0o640)
     assert run("simulate", *MOTION, "--out", "x.nc")[0] == 0
     assert (tmp_path / "x.nc").stat().st_mode & 0o777 == 0o640
-    assert [path.name for path in tmp_path.iterdir()] == ["x.nc"]
+    assert {path.name for path in tmp_path.iterdir()} == {"x.nc", ".x.nc.2.part"}
 
 
 def test_an_interrupt_waits_for_the_end_of_a_write():

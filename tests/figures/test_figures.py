@@ -166,7 +166,7 @@ from references.figure_checks import assert_drawn_from_file
 for figure in sys.argv[1:]:
     assert_drawn_from_file(figure, pathlib.Path(figure + ".nc"))
 """
-    tests = os.environ | {"PYTHONPATH": str(Path(__file__).parents[1])}
+    tests = os.environ | {"PYTHONPATH": os.pathsep.join(map(str, [Path(__file__).parents[1], *sys.path]))}
     subprocess.run([sys.executable, "-c", program, *figures], cwd=tmp_path, env=tests, check=True)
 
 

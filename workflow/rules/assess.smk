@@ -1,5 +1,6 @@
 """Many drives from their data sheets: snakemake -j2 assessments. Needs no figure; each drive has its report."""
 
+import re
 from pathlib import Path
 
 SHEETS = {Path(sheet).stem: sheet for sheet in config["assessments"]}
@@ -26,7 +27,7 @@ rule assess_drive:
     log:
         "<logs>/assess_drive/{sheet}.log",
     wildcard_constraints:
-        sheet="|".join(SHEETS) or "none",
+        sheet="|".join(map(re.escape, SHEETS)) or "none",
     params:
         samples=config["assessment_samples"],
         sources=sources,

@@ -10,10 +10,7 @@ except LsvibError as error:
     raise WorkflowError(f"Configuration: {error}") from None
 
 FIGURES = configuration.selected(config)
-ANALYSED, MAPPED = (
-    "|".join(figure for figure in configuration.FIGURES if hasattr(configuration.load(figure), part)) or "none"
-    for part in configuration.PARTS
-)
+ANALYSED, MAPPED = map(configuration.figures_with, configuration.PARTS)
 
 
 wildcard_constraints:
@@ -40,7 +37,7 @@ def category(wildcards):
 def inputs(wildcards):
     """Return what the dataset of a figure needs: parts of the engine, tables, and its analysis and maps if it has them."""
     figure, own = wildcards.figure, configuration.settings_of(wildcards.figure)
-    parts = [part for part in configuration.PARTS if hasattr(configuration.load(figure), part)]
-    files = {part: f"<results>/{part}/{figure}.nc" for part in parts}
+    parts = zip(configuration.PARTS, (ANALYSED, MAPPED))
+    files = {part: f"<results>/{part}/{figure}.nc" for part, figures in parts if figure in figures}
     engine = [f"<results>/engine/{part}.txt" for part in own.engine]
     return files | {"engine": engine, "tables": list(map(str, own.tables))}

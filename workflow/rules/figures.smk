@@ -29,7 +29,7 @@ rule analyse:
     benchmark:
         "<results>/benchmarks/analyse/{figure}.tsv"
     wildcard_constraints:
-        figure=ANALYSED,
+        figure="|".join(ANALYSED),
     params:
         part="analysis",
         settings=settings,
@@ -50,7 +50,7 @@ use rule analyse as map with:
     benchmark:
         "<results>/benchmarks/map/{figure}.tsv"
     wildcard_constraints:
-        figure=MAPPED,
+        figure="|".join(MAPPED),
     params:
         part="maps",
         settings=settings,

@@ -18,8 +18,10 @@ with logged(snakemake):
             wrong.append(f"{file} was made with another configuration; delete it, and run again what makes it.")
         elif made.get("sources_sha256") != sources_of(figure):
             wrong.append(f"{file} was made by other sources; delete it, and run again what makes it.")
+    if wrong:
+        sys.exit("\n".join(wrong))
     checks = read_checks(snakemake.input.checks)
     print("\n".join(["", *printed_thresholds(checks), counts(checks), verdict(checks)]))
     print(f"Every check: {snakemake.input.checks}, .md; made by the lsvib in {lsvib.__path__[0]}")
-    if wrong := [*wrong, *failures(checks)]:
-        sys.exit("\n".join(wrong))
+    if failed := failures(checks):
+        sys.exit("\n".join(failed))

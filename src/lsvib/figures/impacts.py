@@ -110,9 +110,7 @@ def _branch(drive: Drive, sign: int, start: Sequence[float]) -> tuple[list[list[
         if one is None or other is None:
             return np.nan
         low, high = orbit_extremes(rigid[0], np.array([1.0, 0.0, 0.0]))
-        return distance(
-            one, other, (0.5 * (high - low), abs(drive.input_speed)), 800 if sign else 3000
-        )  # it bends more
+        return distance(one, other, (0.5 * (high - low), abs(drive.input_speed)), 800 if sign else 3000)
 
     rigid = [motion(rigid_automaton(drive, resume=rule), start) for rule in RULES]
     contacts = [drive.replace(contact_stiffness=k, contact_damping=k) for k in _STIFFNESS.tolist()]
