@@ -21,13 +21,9 @@ from pydantic import Field, ValidationError, create_model
 from lsvib.errors import InputError
 from lsvib.figures.settings import DriveChanges, FigureSettings, SettingsSection, Unique
 from lsvib.models.complaints import sentence_about
+from lsvib.models.scene import read_yaml
 from lsvib.numbers import shown
 
-FIGURES = (
-    *(f"fig8_{number:02}" for number in range(1, 16)),
-    *("contact_stability", "measured_drive", "nut_stability"),
-)
-"""The figures of the package: those of the chapter first."""
 BENCHMARKS = ("work_precision", "stability_sweeps", "ablation")
 """The figures of a checkout alone: error against run time, extreme cases, what a scene leaves out."""
 _SHARED = {  # figures that are not in a module of their own name
@@ -37,6 +33,9 @@ _SHARED = {  # figures that are not in a module of their own name
 _PACKAGE = Path(__file__).parents[1]
 _CHECKOUT = _PACKAGE.parents[1]
 DEFAULT = Path(__file__).with_name("config.yaml")
+_NO_FIGURES = ("table_8_1", "assessments", "assessment_samples", "attraction", "chart")  # sections of other things
+FIGURES = tuple(name for name in read_yaml(DEFAULT) if name not in (*_NO_FIGURES, *BENCHMARKS))
+"""The figures of the package, those of the chapter first: each has a section in ``config/config.yaml``."""
 
 PARTS = ("analysis", "maps")
 """Functions of some figures whose results, each a dataset, its ``build`` takes: the analysis of its drives, and maps of
@@ -171,8 +170,6 @@ def complete_settings(figure: str, section: Mapping[str, Any]) -> dict[str, Any]
 
 def standard_settings(figure: str) -> dict[str, Any]:
     """Return the settings of a figure that come with the package; raises ``InputError`` if there is no such figure."""
-    from lsvib.models.scene import read_yaml
-
     return complete_settings(figure, section(read_yaml(DEFAULT), figure))
 
 
