@@ -1,4 +1,4 @@
-"""Each figure of the benchmarks on a few cases: its checks pass, and fail on spoiled data."""
+"""Each race of the benchmarks on a few cases: its checks pass, and fail on spoiled data."""
 
 import re
 from contextlib import suppress
@@ -9,7 +9,7 @@ import pytest
 import xarray as xr
 
 from benchmarks.judge import Verdict
-from lsvib.figures.configuration import BENCHMARKS, load
+from lsvib.figures.configuration import load
 
 SETTINGS = {
     "ablation": {"duration": 0.3, "repeats": 3, "fresh": 1},
@@ -37,7 +37,7 @@ def passed(figure: str, dataset: xr.Dataset) -> dict[str, bool]:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("figure", BENCHMARKS)
+@pytest.mark.parametrize("figure", SETTINGS)
 def test_every_check_passes(figure):
     assert [claim for claim, good in passed(figure, built(figure)).items() if not good] == []
 
@@ -56,7 +56,7 @@ def spoiled(dataset: xr.Dataset):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("figure", BENCHMARKS)
+@pytest.mark.parametrize("figure", SETTINGS)
 def test_every_check_refuses_something(figure):
     refused = set()
     for dataset in spoiled(built(figure)):
@@ -66,7 +66,7 @@ def test_every_check_refuses_something(figure):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("figure", BENCHMARKS)
+@pytest.mark.parametrize("figure", SETTINGS)
 def test_no_run_time_decides(figure):
     """Of times and their ratios other numbers, and every check says the same to the letter."""
     dataset = built(figure).copy(deep=True)

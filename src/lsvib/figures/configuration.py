@@ -24,8 +24,8 @@ from lsvib.models.complaints import sentence_about
 from lsvib.models.scene import read_yaml
 from lsvib.numbers import shown
 
-BENCHMARKS = ("work_precision", "stability_sweeps", "ablation")
-"""The figures of a checkout alone: error against run time, extreme cases, what a scene leaves out."""
+BENCHMARKS = ("work_precision", "stability_sweeps", "ablation", "measured_drive")
+"""The figures of a checkout alone: error against run time, extreme cases, what a scene leaves out, a measured screw."""
 _SHARED = {  # figures that are not in a module of their own name
     **dict.fromkeys(("fig8_01", "fig8_02"), "contact_portraits"),
     **dict.fromkeys(("fig8_04", "fig8_05"), "negative_damping"),

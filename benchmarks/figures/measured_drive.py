@@ -40,7 +40,7 @@ friction depends on the place.
 """
 
 ENDS = ("threads", "bearing")  # where the fit puts friction at rest above that of sliding: in all, or in the bearing
-FOLDER = Path(__file__).parents[3] / "examples" / "measured_screw" / "drive1"
+FOLDER = Path(__file__).parents[2] / "examples" / "measured_screw" / "drive1"
 TABLES = tuple(sorted(FOLDER.glob("*.csv")))
 LEAD, RADIUS = 2e-3, 5.5e-3  # m
 LOAD = -0.096 * 9.80665  # N, travel at positive speed lowers it
@@ -88,8 +88,6 @@ def build(settings: Values) -> xr.Dataset:
     from lsvib.fit.stick_slip import breaking, explained
     from lsvib.fit.tables import read_table, steady_point
 
-    if not TABLES:
-        raise InputError("The tables of figure measured_drive come with a checkout of lsvib only, in examples.")
     factors = (-RPM, -0.0984e-3, 1e-3)  # signs of the motor; per cent of 9.84 mN m; ms
     tables = {file.name: read_table(file, (2, 3, 1), factors, ";") for file in TABLES}
     records: dict[str, Any] = {name: look(table) for name, table in tables.items()}
