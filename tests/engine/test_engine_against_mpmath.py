@@ -21,7 +21,7 @@ from references.drives import random_drive, random_start
 from references.known import NEGATIVE_DAMPING
 
 from lsvib import Drive
-from lsvib.engine.exact.modal_form import oscillator
+from lsvib.engine.exact.modal_form import PlanarMode
 from lsvib.engine.kernels import flow_planar, layout
 from lsvib.models.names import Event
 from lsvib.models.rigid import MotionMode, rigid_automaton
@@ -135,7 +135,7 @@ def near_tangencies(seed: int):
         automaton = rigid_automaton(drive, resume=rule)
         for mode, level, touch in tangencies(automaton):
             row = automaton.tables.flow[mode]
-            backward = np.array([oscillator(1.0, -row[layout.A1], row[layout.A0], row[layout.B])])
+            backward = np.array([PlanarMode.of(1.0, -row[layout.A1], row[layout.A0], row[layout.B]).row])
             axis = int(np.argmax(np.abs(level[:2] * touch)))
             state = touch.copy()
             state[axis] *= 1 + rng.choice([-1, 1]) * 10 ** rng.uniform(-11.0, -2.0)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from references.drives import catalogue_drive
 
-from lsvib.engine.exact.modal_form import linear_mode, modal_flow
+from lsvib.engine.exact.modal_form import linear_mode
 from lsvib.engine.kernels import event_loop
 from lsvib.engine.kernels.layout import A0, A1, BETA, ModalFlow
 from lsvib.models.many import ManyDrives, groups
@@ -59,4 +59,4 @@ def test_forms_that_do_not_hold_are_given_up():
     rows = [(0, 1, 0, 0, 0), (-good, -0.1, 0, 0, 0), (0, 0, 0, 1, 0), (0, 0, -twice, 0 * twice - 0.1 * (twice > 0), 0)]
     mode = linear_mode(rows, (1.0,) * 4, None, "a damping")
     assert np.isfinite(mode.condition).tolist() == [True, False, False, False]
-    assert modal_flow([mode]).pairs[0].tolist() == [2]
+    assert mode.together([mode], [()])[0].pairs[0].tolist() == [2]

@@ -20,7 +20,7 @@ from hypothesis import strategies as st
 from mpmath import mp, mpf
 
 from lsvib.engine.automaton import Branch, Guard, Mode, Surface, Transition, assemble
-from lsvib.engine.exact.modal_form import oscillator
+from lsvib.engine.exact.modal_form import PlanarMode
 from lsvib.engine.kernels import flow_planar, layout, search_planar
 from lsvib.engine.kernels.layout import Found, Status
 from lsvib.engine.kernels.layout import Test as Sign
@@ -112,7 +112,7 @@ def error(row, coefficients, state, t) -> float:
 
 @pytest.mark.parametrize("name", CASES)
 def test_flow_is_exact_to_rounding(name):
-    row = oscillator(*CASES[name])
+    row = PlanarMode.of(*CASES[name]).row
     for state in STARTS:
         for angle in ANGLES:
             assert error(row, CASES[name], state, angle / rate_of(row)) <= 4.0
@@ -128,7 +128,7 @@ SIZES = st.floats(1e-6, 1e6) | st.floats(-1e6, -1e-6) | st.just(0.0)
 )  # fmt: skip
 def test_flow_of_any_oscillator(inertia, damping, stiffness, force, u, w, angle):
     """A dozen operations of half a unit each; 30 000 examples that hypothesis chose to be bad came to 2.6."""
-    row = oscillator(inertia, damping, stiffness, force)
+    row = PlanarMode.of(inertia, damping, stiffness, force).row
     t = angle / rate_of(row)
     assume(1e-100 < t < 1e100)
     assert error(row, (inertia, damping, stiffness, force), (u, w), t) <= 4.0
@@ -139,7 +139,7 @@ def test_flow_of_any_oscillator(inertia, damping, stiffness, force, u, w, angle)
     st.sampled_from(sorted(CASES)), st.sampled_from(STARTS), st.floats(0.0, 30.0), st.floats(-1, 1), st.floats(-1, 1)
 )
 def test_extremes_against_dense_evaluation(name, state, angle, part_u, part_w):
-    row = oscillator(*CASES[name])
+    row = PlanarMode.of(*CASES[name]).row
     duration = angle / rate_of(row)
     functional = np.array([part_u, part_w, 0.25])
     low, high = search_planar.extremes(np.array([row]), 0, np.array(state), functional, duration)
@@ -159,7 +159,7 @@ def test_extremes_against_dense_evaluation(name, state, angle, part_u, part_w):
 )
 def test_magnitudes_grow_with_the_motion(coefficients):
     """From 1e-9 off the equilibrium, a millionfold: the terms are as large as the motion has become."""
-    row = oscillator(*coefficients)
+    row = PlanarMode.of(*coefficients).row
     state = np.array([row[layout.EQUILIBRIUM] + 1e-9, 0.0])
     rate = -row[layout.ALPHA] if row[layout.BETA] > 0 else row[layout.R1]
     stay = math.log(1e6) / rate
@@ -192,7 +192,7 @@ def value(coefficients, state, guard, t):
 )  # fmt: skip
 def test_first_root_against_mpmath(name, state, part_u, part_w, level, angle):
     """The guard is positive on a dense grid up to the time found, and has a root there; or positive all the way."""
-    row = oscillator(*CASES[name])
+    row = PlanarMode.of(*CASES[name]).row
     limit = angle / rate_of(row)
     guard = (part_u, part_w / rate_of(row), level - part_u * state[0] - part_w / rate_of(row) * state[1])
     assume(abs(part_u) + abs(part_w) > 1e-2)
@@ -224,7 +224,7 @@ CIRCLE = ("1", "0", str(BETA**2), "0")
 )
 def test_grazing_level_constructed_in_mpmath(name):
     """The level of the guard is minus the minimum of u along the orbit, found with 40 digits and rounded once."""
-    coefficients, row = CASES[name], oscillator(*CASES[name])
+    coefficients, row = CASES[name], PlanarMode.of(*CASES[name]).row
     equilibrium = float(row[layout.EQUILIBRIUM])
     state = (equilibrium, -1.0)  # leaves the equilibrium downwards and turns once, whatever the damping
     with mp.workdps(40):
@@ -245,7 +245,7 @@ def test_grazing_level_constructed_in_mpmath(name):
 
 
 def test_parabola_touches_and_crosses():
-    row = oscillator(1, 0, 0, 2)  # u = (t − 1)² + u₀ − 1
+    row = PlanarMode.of(1, 0, 0, 2).row  # u = (t − 1)² + u₀ − 1
     assert search(row, (1.0, -2.0), (1.0, 0.0, 0.0)) == (Found.GRAZE, 1.0)
     assert search(row, (1.0, -2.0), (1.0, 0.0, 1e-9)) == (Found.NONE, INF)
     found, t = search(row, (1.0, -2.0), (1.0, 0.0, -0.25))
@@ -257,7 +257,7 @@ def test_parabola_touches_and_crosses():
 def test_two_crossings_100_nanoseconds_apart(turns):
     """The dip is 1.1e-10 of the orbit deep and 1e-7 s of its 21 ms period long."""
     depth = 1 - math.cos(BETA * 0.5e-7)
-    row = oscillator(*CIRCLE)
+    row = PlanarMode.of(*CIRCLE).row
     start = (math.cos(2.0), BETA * math.sin(-2.0) * -1.0)
     found, first = search(row, start, (1.0, 0.0, 1.0 - depth), limit=INF if turns == 0 else 1.0)
     assert found == Found.CROSSING
@@ -272,7 +272,7 @@ def test_two_crossings_100_nanoseconds_apart(turns):
 @pytest.mark.parametrize("name", sorted(CASES))
 def test_guard_that_starts_at_zero_does_not_fire_again(name):
     """On the surface, and rising: the next root is the one after the maximum, never the one at the start."""
-    row = oscillator(*CASES[name])
+    row = PlanarMode.of(*CASES[name]).row
     for state in ((0.0, 1.0), (0.0, 1e-9), (0.3, 2.0)):
         found, t = search(row, state, (1.0, 0.0, -state[0]), on_surface=True, limit=50 / rate_of(row))
         if found == Found.CROSSING:
@@ -282,8 +282,8 @@ def test_guard_that_starts_at_zero_does_not_fire_again(name):
 
 def bouncer(stiffness, force, restitution, beyond=None):
     """A point that falls (or hangs on a spring) onto a floor at u = 0; beyond an accumulation it may rest there."""
-    flight = Mode(0, oscillator(1, 0, stiffness, force), (Guard("floor", 1, "bounce"),), beyond)
-    modes = {"flight": flight, "rest": Mode(1, oscillator(1, 0, 0, 0), ())}
+    flight = Mode(0, PlanarMode.of(1, 0, stiffness, force), (Guard("floor", 1, "bounce"),), beyond)
+    modes = {"flight": flight, "rest": Mode(1, PlanarMode.of(1, 0, 0, 0), ())}
     transitions = {
         "entry": Transition((Branch("flight", 2),)),
         "bounce": Transition((Branch("flight", 2, (((0, 1, 0), Sign.POSITIVE),)), Branch("rest", 3)),
@@ -321,7 +321,7 @@ def test_growing_oscillation_crosses_after_many_turns(turns):
     """u = e^{at} cos-like, growing by e² over the turns: the first minimum that is deep enough is found at once."""
     growth = 2.0 / (2 * math.pi * turns)
     coefficients = (1.0, -2 * growth, 1.0, 0.0)
-    row = oscillator(*coefficients)
+    row = PlanarMode.of(*coefficients).row
     guard = (1.0, 0.0, 5.0)
     found, t = search(row, (1.0, 0.0), guard)
     assert found == Found.CROSSING
@@ -343,7 +343,7 @@ def test_growing_oscillation_crosses_after_many_turns(turns):
 def test_growing_oscillation_that_just_misses_or_meets_its_nth_minimum(turns, miss):
     """A minimum that is missed by more than rounding is not the last: the oscillation grows and falls in the next."""
     coefficients = ("1", "-0.2", "1", "0")
-    row, state = oscillator(*coefficients), (1.0, 0.0)
+    row, state = PlanarMode.of(*coefficients).row, (1.0, 0.0)
     half_turn = math.pi / row[layout.BETA]  # u has extrema at whole numbers of it
     lowest = float(flow(*coefficients, *state, mpf((2 * turns + 1) * half_turn))[0])
     guard = (1.0, 0.0, -lowest * (1.0 + miss))
@@ -359,7 +359,7 @@ def test_growth_beyond_the_largest_number_is_no_graze():
     """Half a turn multiplies the oscillation by e^1571, but it falls through the guard long before."""
     coefficients = ("1", "-1000", "250001", "0")
     guard = (1.0, 0.0, 2.0)
-    found, t = search(oscillator(*coefficients), (1.0, 0.0), guard)
+    found, t = search(PlanarMode.of(*coefficients).row, (1.0, 0.0), guard)
     assert found == Found.CROSSING
     slope = float(flow(*coefficients, 1.0, 0.0, mpf(t))[1])
     assert abs(float(value(coefficients, (1.0, 0.0), guard, t))) <= 64 * EPS + 4 * EPS * t * abs(slope)

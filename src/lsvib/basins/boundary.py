@@ -16,12 +16,13 @@ import numpy as np
 from flint import arb
 from numpy.typing import ArrayLike, NDArray
 
-from lsvib.basins.curves import Arc, Curve, Flow, Part, Segment, Window, area, clip, contains, inside, sampled
+from lsvib.basins.curves import Arc, Curve, Part, Segment, Window, area, clip, contains, inside, sampled
 from lsvib.basins.reversed_time import BEGINNING, backward_automaton, backward_under_law
 from lsvib.dynamics.attractor import steady_state
 from lsvib.dynamics.cycles import swing
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.exact.arithmetic import many_digits
+from lsvib.engine.flow import Flow
 from lsvib.engine.kernels.layout import Status
 from lsvib.engine.motion import Motion, follow
 from lsvib.errors import EngineError, InputError, LsvibError
@@ -63,10 +64,9 @@ class Basin:
 
     @cached_property
     def flow(self) -> Flow:
-        """The flow table to which the arcs refer: that of the drive's automaton, backwards in time under a law."""
+        """The flow to which the arcs refer: that of the drive's automaton, backwards in time under a law."""
         law = friction.depends_on_speed(self.drive)
-        flow: Flow = (backward_under_law(self.drive) if law else rigid_automaton(self.drive)).tables.flow
-        return flow
+        return (backward_under_law(self.drive) if law else rigid_automaton(self.drive)).flow
 
     def contains(self, state: ArrayLike) -> bool:
         """Whether the motion from ``state`` (u [rad], w [rad/s]) settles; on the boundary itself either answer."""

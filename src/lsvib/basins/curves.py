@@ -17,9 +17,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from lsvib import numbers
-from lsvib.dynamics.energy import quadratic_integrals
 from lsvib.engine.automaton import Automaton
-from lsvib.engine.kernels.layout import FIRST_MODEL_KIND, Status, Tables, TaylorFlow
+from lsvib.engine.flow import Flow
+from lsvib.engine.kernels.layout import FIRST_MODEL_KIND, Status, Tables
 from lsvib.engine.motion import follow
 from lsvib.errors import InputError
 
@@ -34,7 +34,7 @@ class Segment:
 
 @dataclass(frozen=True)
 class Arc:
-    """The motion from ``start`` to ``end`` (2) [rad, rad/s] in ``duration`` [s]; ``mode`` is a row of a flow table."""
+    """The motion from ``start`` to ``end`` (2) [rad, rad/s] in ``duration`` [s], in a ``mode`` of a flow."""
 
     mode: int
     start: np.ndarray
@@ -42,7 +42,6 @@ class Arc:
     duration: float
 
 
-Flow = np.ndarray | TaylorFlow  # of modes with two states, also under a friction law
 Piece = Arc | Segment
 Curve = list[Piece]
 
@@ -90,11 +89,11 @@ _NOTHING = np.array([0.0, 0.0, 1.0])  # a row that never falls through zero
 
 
 def _watching(flow: Flow, row: np.ndarray) -> Automaton:
-    """Return an automaton that stays in each mode of a flow table; an event is where a row (3) falls through zero."""
-    count = len(flow if isinstance(flow, np.ndarray) else flow.push)
+    """Return an automaton that stays in each mode of a flow; an event is where a row (3) falls through zero."""
+    count = len(flow.field)
     each, none, bounds = np.arange(count), np.zeros(count, dtype=np.int64), np.arange(count + 1)
     tables = Tables(
-        flow=flow,
+        flow=flow.tables,
         surfaces=row[None], snap=np.array([int(abs(row[1]) > abs(row[0]))]), guard_start=bounds,
         guard_surface=none, guard_sign=np.ones(count), guard_transition=each, guard_parts=np.empty((count, 0)),
         transition_reset=none - 1, resets=np.empty((0, 2, 3)), branch_start=bounds, branch_mode=each,
@@ -143,7 +142,7 @@ def sampled(flow: Flow, curves: Iterable[Curve], count: int = 100) -> np.ndarray
 
 
 def area(flow: Flow, curves: Iterable[Curve]) -> float:
-    """Return the area [rad²/s] to the right of closed curves (flow table, curves), by Green's theorem.
+    """Return the area [rad²/s] to the right of closed curves (flow, curves), by Green's theorem.
 
     Neighbouring pieces meet to rounding; a straight line closes each gap, so that it counts for no more than it holds.
     """
@@ -162,10 +161,9 @@ def _strips(flow: Flow, curve: Curve) -> Iterator[float]:
         end = piece.end
         if isinstance(piece, Segment):
             yield under_line(piece.start, end)
-        else:  # |du| = w dt; a stiff arc that was followed backwards does not quite lead to its end
-            moving, end = _watching(flow, _NOTHING), state_on(flow, piece, piece.duration)
-            strip = float(quadratic_integrals(moving, piece.mode, piece.start, piece.duration, form)[0])
-            yield -strip if isinstance(flow, TaylorFlow) else strip
+        else:  # du = ±w dt; a stiff arc that was followed backwards does not quite lead to its end
+            end, way = state_on(flow, piece, piece.duration), float(flow.field[piece.mode, 0, 1])
+            yield way * float(flow.integral(piece.mode, piece.start, piece.duration, form)[0])
         yield under_line(end, following.start)
 
 

@@ -13,9 +13,8 @@ from typing import Any
 import numpy as np
 
 from lsvib.basins.boundary import AttractsNothing, Basin, basin
-from lsvib.basins.curves import Arc, Flow, Part, Piece, Window, passes, sign_changes, state_on, states_on
-from lsvib.engine.exact.taylor_form import eta
-from lsvib.engine.kernels import layout
+from lsvib.basins.curves import Arc, Part, Piece, Window, passes, sign_changes, state_on, states_on
+from lsvib.engine.flow import Flow
 from lsvib.models.drive import Drive
 from lsvib.models.rigid import rigid_automaton
 from lsvib.numbers import bisected
@@ -116,16 +115,17 @@ def _candidates(flow: Flow, piece: Piece, stiffness: float, inertia: float) -> I
 
 def _stationary(flow: Flow, arc: Arc, stiffness: float, inertia: float) -> list[float]:
     """Times [s] on an arc at which k u + J w′ = E′ / w changes its sign; of a friction law as seen by samples."""
-    if isinstance(flow, np.ndarray):
-        a0, a1, b = (float(flow[arc.mode, k]) for k in (layout.A0, layout.A1, layout.B))
-        return sign_changes(flow, arc, np.array([stiffness - inertia * a0, -inertia * a1, inertia * b]))
+    way = flow.field[arc.mode, 0, 1]  # of time: u′ = ±w
+    if not flow.by_speed:
+        return sign_changes(flow, arc, np.array([stiffness, 0, 0]) + way * inertia * flow.field[arc.mode, 1])
 
     def rate(times: Any) -> np.ndarray:
         """k u + J w′ at times [s] of the arc."""
         states = states_on(flow, arc, times)
-        whole, modes = np.column_stack([states, np.ones(len(states))]), np.full(len(states), arc.mode)
-        pushed = flow.push[arc.mode, 1] * eta(flow, states, modes) * (whole @ flow.contact[arc.mode])
-        return np.asarray(stiffness * states[:, 0] - inertia * (whole @ flow.field[arc.mode, 1] + pushed))  # of −x′
+        whole = np.column_stack([states, np.ones(len(states))])
+        force = flow.share(states, np.full(len(states), arc.mode)) * (whole @ flow.tables.contact[arc.mode])
+        pushed = whole @ flow.field[arc.mode, 1] + flow.tables.push[arc.mode, 1] * force
+        return np.asarray(stiffness * states[:, 0] + way * inertia * pushed)
 
     times = np.linspace(0.0, arc.duration, _SAMPLES)
     sides = rate(times) > 0

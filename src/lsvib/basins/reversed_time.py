@@ -17,7 +17,7 @@ from flint import arb
 
 from lsvib.engine.automaton import Automaton, Branch, Guard, Mode, Surface, Transition, assemble
 from lsvib.engine.exact.arithmetic import Row, many_digits
-from lsvib.engine.exact.modal_form import eigenform, oscillator
+from lsvib.engine.exact.modal_form import PlanarMode
 from lsvib.engine.kernels.layout import Test
 from lsvib.errors import InputError
 from lsvib.models.drive import Drive
@@ -59,14 +59,14 @@ def backward_automaton(drive: Drive, touch: arb | None = None) -> Automaton:
             terms = c.gamma[law], -c.damping[law], d.coupling_stiffness, force
         contact = Guard("contact", q_sign, "nothing" if c.paradox else f"contact_{mode.name}")
         guards = (contact, Guard("screw_speed", direction, f"stand_{mode.name}"))
-        modes[mode.name] = Mode(int(mode), oscillator(*terms), guards, exact=eigenform(*terms))
+        modes[mode.name] = Mode(int(mode), PlanarMode.of(*terms), guards)
         if not c.paradox:
             reversal = Branch(named[direction, -q_sign], Event.CONTACT_REVERSAL)
             transitions[f"contact_{mode.name}"] = Transition((reversal,))
             transitions[f"stand_{mode.name}"] = Transition((Branch(named[-direction, q_sign], Event.REVERSAL),))
     if c.paradox:
         # Any motion that grows would do: nothing comes back from there.
-        modes["beginning"] = Mode(BEGINNING, oscillator(1, -1, 1, 0), ())
+        modes["beginning"] = Mode(BEGINNING, PlanarMode.of(1, -1, 1, 0), ())
     return assemble(
         states=("angle_deviation", "reversed_velocity_deviation"),
         surfaces=surfaces,

@@ -39,7 +39,7 @@ from lsvib.dynamics.kernels.poincare_map import LONGEST, ON_CIRCLE
 from lsvib.dynamics.kernels.single_mode import Outcome
 from lsvib.dynamics.machine import blank, machine_for, of_one_type
 from lsvib.engine.automaton import Automaton
-from lsvib.engine.kernels import event_loop, jit, layout
+from lsvib.engine.kernels import event_loop, jit
 from lsvib.engine.motion import Motion, bouncing, engine_for, enter, follow, new_events
 from lsvib.errors import AccumulationError, DivergenceError, EngineError, UndecidedError, WorkSpentError
 
@@ -231,7 +231,7 @@ def records(states: int) -> rule.Records:
 
 def shrinks_areas(automaton: Automaton) -> bool:
     """Whether the model vouches that every motion ends in steady sliding: areas shrink, so no orbit is closed."""
-    return automaton.contracts and bool((automaton.tables.flow[:, layout.ALPHA] > 0).any())
+    return automaton.contracts and not conserves(automaton)
 
 
 def facts_of(automaton: Automaton) -> rule.Facts:
@@ -251,12 +251,7 @@ def sticking_codes(automaton: Automaton) -> tuple[int, ...]:
 
 def conserves(automaton: Automaton) -> Any:
     """Whether all modes in motion preserve areas or volumes, because nothing damps; of many drives for each (k)."""
-    flow, moves = automaton.tables.flow, ~np.isin(automaton.codes, automaton.rest_codes)
-    if isinstance(flow, layout.TaylorFlow):
-        return np.zeros(flow.field.shape[:-3], dtype=bool)
-    if isinstance(flow, np.ndarray):
-        return ~flow[..., moves, layout.A1].any(axis=-1)
-    return ~np.trace(flow.field[..., moves, :, :-1], axis1=-2, axis2=-1).any(axis=-1)
+    return automaton.flow.conserves(~np.isin(automaton.codes, automaton.rest_codes))
 
 
 def new_found(states: int, work: float) -> rule.Found:
@@ -272,7 +267,7 @@ def _meant(automaton: Automaton, outcome: int, found: rule.Found, known: KnownCy
         return known.cycles[int(found.notes[0]["index"])]
     if outcome == Outcome.SLIDES:
         label = Attractor.REST if automaton.stands else Attractor.STEADY_SLIDING
-        return SteadyState(label, _equilibrium(automaton, mode, state.size))
+        return SteadyState(label, automaton.flow.equilibrium(mode))
     if outcome == Outcome.RESTS:
         return SteadyState(Attractor.REST, state)
     if outcome == Outcome.GROWS:
@@ -287,27 +282,6 @@ def _meant(automaton: Automaton, outcome: int, found: rule.Found, known: KnownCy
         return _cycle(automaton, found, known)
     except EngineError as error:
         return SteadyState.unresolved(state, error)
-
-
-def _equilibrium(automaton: Automaton, mode: int, states: int) -> np.ndarray:
-    """Return where A x + b = 0 (n) in a mode; steady sliding where it lies on a surface (mode −1).
-
-    If doubles do not tell the rows of A apart, that is the solution with no share of what they leave open: deviations
-    from steady sliding, which is zero.
-    """
-    flow = automaton.tables.flow
-    if isinstance(flow, layout.TaylorFlow):
-        return np.array(flow.settled_place[np.argmax(flow.settled_level)])
-    if mode < 0:
-        return np.zeros(states)
-    if isinstance(flow, np.ndarray):
-        return np.array([flow[mode, layout.EQUILIBRIUM], 0.0])
-    matrix, constant = flow.field[mode][:, :-1], flow.field[mode][:, -1]
-    try:
-        return np.linalg.solve(matrix, -constant)
-    except np.linalg.LinAlgError:
-        nearest: np.ndarray = np.linalg.lstsq(matrix, -constant)[0]
-        return nearest
 
 
 def _oscillation(automaton: Automaton, mode: int, state: np.ndarray, frequency: float) -> SteadyState:

@@ -159,15 +159,10 @@ def _states_of(group: Group, drives: ManyDrives, starts: Starts | None) -> np.nd
 def _group_endings(drives: ManyDrives, group: Group, starts: np.ndarray) -> tuple[np.ndarray, np.recarray]:
     """Return which motions of a group (j), from ``starts`` (j, n), are done, and what these end on."""
     automaton, size, n = group.automaton, group.members.size, starts.shape[1]
-    found, done, flow = (
-        _unknown(size),
-        group.safe & ~conserves(automaton) & (not automaton.stands),
-        automaton.tables.flow,
-    )
+    found, done = _unknown(size), group.safe & ~conserves(automaton) & (not automaton.stands)
     if automaton.contracts:
-        slides = done & (flow[..., layout.ALPHA] > 0).any(axis=1)
-        _slide(group, slides, found)
-        return slides, found
+        _slide(group, done, found)
+        return done, found
     own = {name: column[group.members] for name, column in drives.values.items()}
     axial, torque = balances(own, automaton.states)
     along, across = np.cos(own["lead_angle"])[:, None], (np.sin(own["lead_angle"]) / own["pitch_radius"])[:, None]
@@ -206,8 +201,7 @@ def _rule(automaton: Automaton) -> kernels.Rule:
     many, asked = automaton.tables, KnownCycles.of((), automaton, 0).asked
     asked = asked._replace(facts=asked.facts._replace(conserves=False))
     split = {name: getattr(many, name)[0] for name in layout.DIMENSIONS if name != "flow"}
-    flow = many.flow[0] if isinstance(many.flow, np.ndarray) else type(many.flow)(*(table[0] for table in many.flow))
-    one = many._replace(flow=flow, **split)
+    one = many._replace(flow=automaton.flow.each(lambda table, _: table[0]), **split)
     engine, n = machine_for(one, engine_for(one)), len(automaton.states)
     room, found = records(n), new_found(n, WORK)
     address = jit.address(end_of, engine, of_one_type(one), asked, 0, np.zeros(n), room, found)

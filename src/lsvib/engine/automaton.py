@@ -6,14 +6,13 @@ numbers of many drives; then all tables of doubles have one more axis, the first
 
 from collections.abc import Iterable, Mapping, Sequence, Sized
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
-from flint import arb
 
 from lsvib.engine.exact.arithmetic import Number, Row, double, doubles, many_digits
-from lsvib.engine.exact.modal_form import guard_forms, modal_flow
-from lsvib.engine.exact.taylor_form import TaylorMode, eta, taylor_flow
+from lsvib.engine.flow import Flow, flow_of
 from lsvib.engine.kernels.layout import Tables, Test
 from lsvib.errors import EngineError
 
@@ -40,17 +39,15 @@ class Guard:
 
 @dataclass(frozen=True)
 class Mode:
-    """A linear flow and the guards around it; ``code`` names the mode in datasets.
+    """A flow and the guards around it; ``code`` names the mode in datasets.
 
-    ``flow`` is a row made by :func:`lsvib.engine.exact.modal_form.oscillator` (two states), a ``ModalMode`` or, under a
-    friction law, a ``TaylorMode``; ``exact`` is the :func:`eigenform` of the oscillator, where it has one.
+    ``flow`` is a ``PlanarMode`` (two states), a ``ModalMode`` or, under a friction law, a ``TaylorMode``.
     """
 
     code: int
     flow: Any
     guards: tuple[Guard, ...]
     beyond_accumulation: str | None = None
-    exact: tuple[arb, arb, arb] | None = None
 
 
 @dataclass(frozen=True)
@@ -77,7 +74,7 @@ class Automaton:
 
     ``observables[name]`` has shape (modes, n + 1): the affine function of the state that gives the quantity in each
     mode; under a friction law ``parts[name]`` of it counts η times (:class:`lsvib.engine.kernels.layout.TaylorFlow`).
-    ``condition`` is the largest amplification of rounding by the modal form of a mode, 1 for two states.
+    ``condition`` is the largest amplification of rounding by the modal form of a mode, 1 without one.
     ``rest_codes`` are the codes of the modes at rest, ``held_codes`` those of others in which friction holds a part,
     and ``release_kinds`` the kinds of the events that end rest; a motion sprags in modes of ``sprag_codes`` and at
     events of ``sprag_kinds``. ``stands``: an equilibrium is rest, whatever its mode. The model vouches for two facts:
@@ -102,11 +99,16 @@ class Automaton:
     contracts: bool = False
     engines: list[Any] = field(init=False, repr=False, compare=False, default_factory=list)  # left by runs
 
+    @cached_property
+    def flow(self) -> Flow:
+        """The flow, which knows more of itself than its tables say."""
+        return flow_of(self.tables.flow)
+
     def observe(self, name: str, states: np.ndarray, modes: np.ndarray) -> np.ndarray:
         """Return an observable [its SI unit] at ``states`` (k, n) in ``modes`` (k); shape (k)."""
         found = affine(self.observables[name][modes], states)
         if name in self.parts:
-            found = found + eta(self.tables.flow, states, modes) * affine(self.parts[name][modes], states)
+            found = found + self.flow.share(states, modes) * affine(self.parts[name][modes], states)
         return found
 
     def functional(self, name: str) -> np.ndarray:
@@ -118,30 +120,6 @@ class Automaton:
 def affine(rows: np.ndarray, states: np.ndarray) -> np.ndarray:
     """Return affine functions (k, n + 1) at states (k, n)."""
     return np.asarray(np.einsum("ki,ki->k", rows[:, :-1], states) + rows[:, -1])
-
-
-def _guard_parts(exact: tuple[arb, arb, arb] | None, row: Row) -> Row:
-    """The guard at the equilibrium of its mode, and along either eigenvector (1, r): differences that may cancel."""
-    if exact is None:
-        return 0, 0, 0
-    (place, rate, constant), (equilibrium, slow, fast) = row, exact
-    return place * equilibrium + constant, place + rate * slow, place + rate * fast
-
-
-def _flow_and_guards(modes: Sequence[Mode], surfaces: dict[str, Surface]) -> tuple[Any, np.ndarray]:
-    """Return the flow table of modes, of the kind of their flows, and the table ``guard_parts``."""
-    flows, parts = [mode.flow for mode in modes], list[Row]()
-    with many_digits():
-        rows = [[scaled(surfaces[guard.surface].row, guard.sign) for guard in mode.guards] for mode in modes]
-        if isinstance(flows[0], np.ndarray):
-            flow: Any = np.stack(np.broadcast_arrays(*flows), axis=-2)  # of one drive or of many
-            parts = [_guard_parts(mode.exact, row) for mode, own in zip(modes, rows, strict=True) for row in own]
-        elif isinstance(flows[0], TaylorMode):
-            flow = taylor_flow(flows)
-        else:
-            flow, parts = modal_flow(flows), [*(guard_forms(flows, rows) or ())]
-    numbers = [x for part in parts for x in part]
-    return flow, doubles(numbers, (sum(map(len, rows)), len(parts[0]) if parts else 0))
 
 
 def assemble(
@@ -169,7 +147,11 @@ def assemble(
     conditions = [condition for branch in branches for condition in branch.conditions]
     resets = [transition.reset for transition in transitions.values() if transition.reset is not None]
     reset_index = iter(range(len(resets)))
-    n, (flow, guard_parts) = len(states), _flow_and_guards([*modes.values()], surfaces)
+    n, flows = len(states), [mode.flow for mode in modes.values()]
+    with many_digits():
+        inward = [[scaled(surfaces[one.surface].row, one.sign) for one in own.guards] for own in modes.values()]
+        flow, forms = flows[0].together(flows, inward)
+        numbers = [x for form in forms for x in form]
     tables = Tables(
         flow=flow,
         surfaces=_rows([surface.row for surface in surfaces.values()], n),
@@ -178,7 +160,7 @@ def assemble(
         guard_surface=_integers(surface_index[guard.surface] for guard in guards),
         guard_sign=np.array([float(guard.sign) for guard in guards]),
         guard_transition=_integers(transition_index[guard.transition] for guard in guards),
-        guard_parts=guard_parts,
+        guard_parts=doubles(numbers, (len(guards), len(forms[0]) if forms else 0)),
         transition_reset=_integers(-1 if t.reset is None else next(reset_index) for t in transitions.values()),
         resets=_rows([row for reset in resets for row in reset], n, (len(resets), n, n + 1)),
         branch_start=_starts(transition.branches for transition in transitions.values()),
@@ -197,7 +179,7 @@ def assemble(
         states=states,
         observables={name: _rows([rows[mode] for mode in modes], n) for name, rows in observables.items()},
         parts={name: _rows([rows[mode] for mode in modes], n) for name, rows in (parts or {}).items()},
-        condition=1.0 if n == 2 else np.max([mode.flow.condition for mode in modes.values()], axis=0),
+        condition=np.max([own.condition for own in flows], axis=0),
         **facts,
     )
 

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from lsvib import numbers
 from lsvib.engine.automaton import Automaton, Branch, Guard, Mode, Surface, Transition, assemble
-from lsvib.engine.exact.modal_form import linear_mode, oscillator
+from lsvib.engine.exact.modal_form import PlanarMode, linear_mode
 from lsvib.engine.kernels import event_loop, jit
 from lsvib.engine.kernels.layout import CARRY, FIRST_MODEL_KIND, STEPS, TIME, Begin, Events, Now, Status, Tables, Until
 from lsvib.errors import AccumulationError, DivergenceError, EngineError, InputError, UndecidedError, WorkSpentError
@@ -215,7 +215,7 @@ def compile_engine(kinds: Sequence[str] = ("planar", "modal")) -> None:
 def bouncing(kind: str) -> Automaton:
     """Return the automaton of an oscillator that bounces off a wall; ``kind`` of its flow: planar or modal."""
     field = [(0, 1, 0), (-1, 0, 0)]
-    flow = oscillator(1, 0, 1, 0) if kind == "planar" else linear_mode(field, (1.0, 1.0), None, "the wall")
+    flow = PlanarMode.of(1, 0, 1, 0) if kind == "planar" else linear_mode(field, (1.0, 1.0), None, "the wall")
     free = (Branch("free", FIRST_MODEL_KIND),)
     return assemble(
         states=("u", "w"),

@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from lsvib.engine.automaton import Automaton, Branch, Guard, Mode, Surface, Transition, assemble
-from lsvib.engine.exact.modal_form import eigenform, oscillator
+from lsvib.engine.exact.modal_form import PlanarMode
 from lsvib.engine.kernels.layout import DELTA, EQUILIBRIUM, R1, R2, Status, Test
 from lsvib.errors import InputError
 from lsvib.figures.common import Motion
@@ -73,7 +73,7 @@ def contact_automaton(drive: Drive, paradox: Paradox, *, backwards: bool = False
         states=("contact_force", "contact_force_rate"),
         surfaces={"zero_force": Surface(force, 0)},
         modes={
-            law: Mode(int(f"{law}1"), oscillator(*x), (Guard("zero_force", sides[law], law),), exact=eigenform(*x))
+            law: Mode(int(f"{law}1"), PlanarMode.of(*x), (Guard("zero_force", sides[law], law),))
             for law, x in terms.items()
         },
         transitions={

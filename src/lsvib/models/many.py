@@ -13,7 +13,7 @@ import numpy as np
 
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.exact.arithmetic import Divided, double
-from lsvib.engine.kernels.layout import DIMENSIONS, MODAL_DIMENSIONS, TAYLOR_DIMENSIONS, TaylorFlow
+from lsvib.engine.kernels.layout import DIMENSIONS
 from lsvib.errors import EngineError
 from lsvib.models import friction
 from lsvib.models.drive import DRY, PART_OF, Drive
@@ -140,10 +140,7 @@ def _layered(automaton: Automaton, size: int) -> Automaton:
         return np.array(np.broadcast_to(table, (size, *np.shape(table))), order="C")
 
     tables = {name: layers(getattr(automaton.tables, name), n) for name, n in DIMENSIONS.items() if name != "flow"}
-    flow = automaton.tables.flow
-    parts_of_flow = TAYLOR_DIMENSIONS if isinstance(flow, TaylorFlow) else MODAL_DIMENSIONS
-    planar = isinstance(flow, np.ndarray)
-    tables["flow"] = layers(flow, DIMENSIONS["flow"]) if planar else type(flow)(*map(layers, flow, parts_of_flow))
+    tables["flow"] = automaton.flow.each(layers)
     observables = {name: layers(table, 2) for name, table in automaton.observables.items()}
     parts = {name: layers(table, 2) for name, table in automaton.parts.items()}
     return replace(automaton, tables=automaton.tables._replace(**tables), observables=observables, parts=parts)
@@ -151,11 +148,8 @@ def _layered(automaton: Automaton, size: int) -> Automaton:
 
 def _finite(automaton: Automaton, size: int) -> np.ndarray:
     """Whether all tables of drives (j) hold: the formulas leave what does not as no finite number."""
-    tables, flow = automaton.tables, automaton.tables.flow
-    held = [getattr(tables, name) for name in DIMENSIONS if name != "flow"]
-    # the last piece of a friction law has no end
-    held += [table for table in flow if table is not flow.pieces] if isinstance(flow, TaylorFlow) else flow
-    held += [*automaton.observables.values(), *automaton.parts.values()]
+    held = [getattr(automaton.tables, name) for name in DIMENSIONS if name != "flow"]
+    held += [*automaton.flow.numbers, *automaton.observables.values(), *automaton.parts.values()]
     found: np.ndarray = np.broadcast_to(np.isfinite(automaton.condition), (size,))
     found = np.logical_and.reduce([found, *(np.isfinite(table).reshape(size, -1).all(axis=1) for table in held)])
     return found

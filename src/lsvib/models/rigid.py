@@ -42,7 +42,7 @@ import numpy as np
 
 from lsvib.engine.automaton import SHORT_STAY, Automaton, Branch, Guard, Mode, Surface, Transition, assemble, scaled
 from lsvib.engine.exact.arithmetic import double, many_digits, root, sign
-from lsvib.engine.exact.modal_form import eigenform, oscillator
+from lsvib.engine.exact.modal_form import PlanarMode
 from lsvib.engine.kernels import layout
 from lsvib.engine.kernels.layout import Test
 from lsvib.errors import InputError
@@ -91,7 +91,7 @@ class RigidBuild:
 
     From coefficients and parameters, as balls or as arrays of doubles (many drives).
 
-    ``flows``: the flow table and the eigenform of slip by law; ``above``, ``below``: the torque T_r beyond an end of
+    ``flows``: the flow of slip by law; ``above``, ``below``: the torque T_r beyond an end of
     the band of static friction, whose factors are ``xi_rest`` and ``gamma_rest`` by law; ``band_end``: positive before
     the end that is ahead, as T_r grows at k Ω during rest.
     """
@@ -102,7 +102,7 @@ class RigidBuild:
         self.flows = {}
         for s in (-1,) if c.paradox else (1, -1):
             terms = c.gamma[s], c.damping[s], d.coupling_stiffness, d.pitch_radius * c.slack(s) * c.net_force
-            self.flows[s] = oscillator(*terms), eigenform(*terms)
+            self.flows[s] = PlanarMode.of(*terms)
         self.turning, force = sign(d.input_speed), sign(d.axial_force)
         self.same = d.static_friction is d.steady_friction  # rest then holds as much as sliding carries
         rest = (c.xi, c.gamma) if self.same else by_law(d, d.static_friction)
@@ -135,7 +135,7 @@ class RigidBuild:
             surfaces["screw_speed"] = Surface(self.speed, 1)
             surfaces["band_end"] = Surface(self.band_end, 0)
         modes, transitions = self.painleve(resume) if c.paradox else self.regular(rest)
-        scales = [flow[..., layout.TIME_SCALE] for flow, _ in self.flows.values()]
+        scales = [flow.row[..., layout.TIME_SCALE] for flow in self.flows.values()]
         return assemble(
             states=STATES,
             surfaces=surfaces,
@@ -182,12 +182,11 @@ class RigidBuild:
         return self.same and not self.c.paradox and signs in ([0, 0], [1, 1])
 
     def _slip(self, name: str, guards: tuple[Guard, ...], beyond: str | None) -> Mode:
-        flow, exact = self.flows[math.prod(SLIPS[name])]
-        return Mode(MotionMode[name.upper()], flow, guards, beyond, exact)
+        return Mode(MotionMode[name.upper()], self.flows[math.prod(SLIPS[name])], guards, beyond)
 
     def _rest(self) -> Mode:
         beyond = "rest" if self.to_corner else None
-        return Mode(MotionMode.REST, oscillator(1, 0, 0, 0), (Guard("band_end", 1, "release"),), beyond)
+        return Mode(MotionMode.REST, PlanarMode.of(1, 0, 0, 0), (Guard("band_end", 1, "release"),), beyond)
 
     def regular(self, rest: bool) -> tuple[dict[str, Mode], dict[str, Transition]]:
         """Modes and transitions for Γ₊ > 0."""
@@ -222,7 +221,7 @@ class RigidBuild:
             yield from self._stop()
 
     def _q_rate(self) -> tuple[Any, ...]:
-        flow, q = self.flows[1][0], self.c.q_row
+        flow, q = self.flows[1].row, self.c.q_row
         a0, a1, b = flow[..., layout.A0], flow[..., layout.A1], flow[..., layout.B]
         q_u, q_w = double(q[0]), double(q[1])
         with np.errstate(over="ignore", invalid="ignore"):  # what is beyond all numbers is refused with the tables

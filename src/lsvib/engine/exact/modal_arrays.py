@@ -44,6 +44,12 @@ class ModalModes:
         with np.errstate(divide="ignore"):
             return [np.hstack([scales, 1.0 / about]).min(axis=1)]
 
+    @staticmethod
+    def together(modes: Sequence["ModalModes"], rows: Sequence[Sequence[Any]]) -> tuple[ModalFlow, list[Any]]:
+        """Return the flow tables of some modes, and their guards, by rows, in modal coordinates."""
+        flow = ModalFlow(*(np.stack(own, axis=1) for own in zip(*(mode.flow for mode in modes), strict=True)))
+        return flow, guard_columns(modes, rows)
+
 
 def table(rows: Sequence[Sequence[Any]]) -> np.ndarray:
     """Return rows of arrays (k) and numbers in extended precision, shape (k, rows, columns)."""

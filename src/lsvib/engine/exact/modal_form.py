@@ -15,14 +15,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import combinations
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from flint import arb, arb_mat
 
 from lsvib.engine.exact.arithmetic import Number, Row, alike, ball, doubles, many_digits, real_rates, root, sign
 from lsvib.engine.exact.field import WORST_CONDITION, Field, Subspace, amplification, subspaces
-from lsvib.engine.exact.modal_arrays import ModalModes, guard_columns, modal_modes
+from lsvib.engine.exact.modal_arrays import ModalModes, modal_modes
 from lsvib.engine.kernels import layout
 from lsvib.engine.kernels.layout import ModalFlow
 from lsvib.errors import EngineError
@@ -54,6 +54,62 @@ class ModalMode:
         about = self.rates[(self.rates != 0.0) & (self.pushes == 0.0)]
         return [*self.oscillators[:, layout.TIME_SCALE], *(1.0 / np.abs(about))]
 
+    @staticmethod
+    def together(modes: Sequence["ModalMode"], rows: Sequence[Sequence[Row]]) -> tuple[ModalFlow, Sequence[Row]]:
+        """Return the flow tables of some modes, and their guards, by rows, in modal coordinates where these tell."""
+        return modal_flow(modes), guard_forms(modes, rows) or []
+
+
+@dataclass(frozen=True)
+class PlanarMode:
+    """One mode with two states, an oscillator: its row of the flow table, in doubles.
+
+    ``exact``: equilibrium and rates r₁ > r₂ in balls, or None where it has no equilibrium or no two real rates.
+    """
+
+    row: np.ndarray
+    exact: tuple[Number, Number, Number] | None = None
+    condition: ClassVar[float] = 1.0
+
+    @classmethod
+    @many_digits()
+    def of(cls, inertia: Number, damping: Number, stiffness: Number, force: Number) -> "PlanarMode":
+        """Return  inertia·u″ + damping·u′ + stiffness·u = force  (any consistent units, inertia ≠ 0).
+
+        The characteristic roots are formed in balls, free of cancellation.
+        """
+        inertia, damping, stiffness, force = alike(inertia, damping, stiffness, force)
+        square = stiffness / inertia
+        row: list[Any] = [0.0] * layout.COUNT
+        row[layout.A0], row[layout.A1], row[layout.B] = square, damping / inertia, force / inertia
+        row[layout.ALPHA] = alpha = damping / inertia / 2
+        discriminant = (damping * damping - 4 * inertia * stiffness) / (4 * inertia * inertia)
+        if isinstance(discriminant, arb):
+            discriminant = discriminant.mid()  # rates that no digit tells apart are one
+        if (real := sign(discriminant, "a damping")) < 0:
+            row[layout.BETA] = root(-discriminant)
+        else:
+            row[layout.DELTA] = root(discriminant)
+            row[layout.R1], row[layout.R2] = real_rates(alpha, square, row[layout.DELTA])
+        if sign(stiffness):
+            row[layout.EQUILIBRIUM] = force / stiffness
+            row[layout.TIME_SCALE] = 1 / root(abs(square))
+        exact = (row[layout.EQUILIBRIUM], row[layout.R1], row[layout.R2]) if real > 0 and sign(stiffness) else None
+        return cls(doubles(row, (layout.COUNT,)), exact)
+
+    @staticmethod
+    def together(modes: Sequence["PlanarMode"], rows: Sequence[Sequence[Row]]) -> tuple[np.ndarray, Sequence[Row]]:
+        """Return the flow table of some modes, of one drive or many, and the parts of their guards, by rows."""
+        parts = [mode._guard_parts(row) for mode, own in zip(modes, rows, strict=True) for row in own]
+        return np.stack(np.broadcast_arrays(*(mode.row for mode in modes)), axis=-2), parts
+
+    def _guard_parts(self, row: Row) -> Row:
+        """Return a guard at the equilibrium, and along either eigenvector (1, r): differences that may cancel."""
+        if self.exact is None:
+            return 0, 0, 0
+        (place, rate, constant), (equilibrium, slow, fast) = row, self.exact
+        return place * equilibrium + constant, place + rate * slow, place + rate * fast
+
 
 def modal_mode(field: Field) -> ModalMode:
     """Decompose a field.
@@ -73,41 +129,6 @@ def modal_mode(field: Field) -> ModalMode:
     if not mode.condition < WORST_CONDITION:
         raise ArithmeticError(f"condition {mode.condition:.1e}")
     return mode
-
-
-def oscillator(inertia: Number, damping: Number, stiffness: Number, force: Number) -> np.ndarray:
-    """Row of the flow table of  inertia·u″ + damping·u′ + stiffness·u = force  (any consistent units, inertia ≠ 0).
-
-    The characteristic roots are formed in balls, free of cancellation.
-    """
-    with many_digits():
-        inertia, damping, stiffness, force = alike(inertia, damping, stiffness, force)
-        square = stiffness / inertia
-        row: list[Any] = [0.0] * layout.COUNT
-        row[layout.A0], row[layout.A1], row[layout.B] = square, damping / inertia, force / inertia
-        row[layout.ALPHA] = alpha = damping / inertia / 2
-        discriminant = (damping * damping - 4 * inertia * stiffness) / (4 * inertia * inertia)
-        if isinstance(discriminant, arb):
-            discriminant = discriminant.mid()  # rates that no digit tells apart are one
-        if sign(discriminant, "a damping") < 0:
-            row[layout.BETA] = root(-discriminant)
-        else:
-            row[layout.DELTA] = root(discriminant)
-            row[layout.R1], row[layout.R2] = real_rates(alpha, square, row[layout.DELTA])
-        if sign(stiffness):
-            row[layout.EQUILIBRIUM] = force / stiffness
-            row[layout.TIME_SCALE] = 1 / root(abs(square))
-        return doubles(row, (layout.COUNT,))
-
-
-def eigenform(inertia: Number, damping: Number, stiffness: Number, force: Number) -> tuple[arb, arb, arb] | None:
-    """Equilibrium and real rates r₁ > r₂ of the oscillator of :func:`oscillator`, as balls; None if it has none."""
-    with many_digits():
-        inertia, damping, stiffness, force = alike(inertia, damping, stiffness, force)
-        discriminant = (damping * damping - 4 * inertia * stiffness) / (4 * inertia * inertia)
-        if not sign(stiffness) or sign(discriminant, "a damping") <= 0:
-            return None
-        return force / stiffness, *real_rates(damping / inertia / 2, stiffness / inertia, root(discriminant))
 
 
 class _Frame(NamedTuple):
@@ -182,7 +203,7 @@ def _pair(push: list[arb], factor: list[arb], frame: _Frame) -> _Piece:
     own = _dot(row, push)
     rest = (a1 * own + _dot(turned, push)) / a0  # equilibrium of q
     out = [[vectors[i, 0], vectors[i, 1], vectors[i, 0] * rest - vectors[i, 1] * own] for i in range(len(push))]
-    return _Piece(oscillator(1, a1, a0, 0), [[*row, -rest], [*turned, own]], out)
+    return _Piece(PlanarMode.of(1, a1, a0, 0).row, [[*row, -rest], [*turned, own]], out)
 
 
 def _row_of_pair(matrix: arb_mat, space: Subspace, scale: Sequence[float]) -> arb_mat:
@@ -268,8 +289,6 @@ def guard_forms(modes: Sequence[ModalMode], rows: Sequence[Sequence[Row]]) -> li
     An entry that the doubles of the tables give to 1e-12 is the one that they give. None if all are so. An entry that
     is nothing but the rounding of the coefficients is zero: a speed that dies away would seem to stop there.
     """
-    if isinstance(modes[0], ModalModes):
-        return guard_columns(modes, rows)
     width, found, lost = max(len(mode.to_modal) for mode in modes) + 1, [], False
     with many_digits():
         for mode, guards in zip(modes, rows, strict=True):
@@ -292,8 +311,6 @@ def guard_forms(modes: Sequence[ModalMode], rows: Sequence[Sequence[Row]]) -> li
 
 def modal_flow(modes: Sequence[ModalMode]) -> ModalFlow:
     """Put modes together in one table; modes with fewer pairs or singles leave the rest zero."""
-    if isinstance(modes[0], ModalModes):  # the first axis is that of the drives
-        return ModalFlow(*(np.stack(own, axis=1) for own in zip(*(mode.flow for mode in modes), strict=True)))
     filled, constants = ("oscillators", "rates", "pushes", "to_modal"), [mode.from_modal[:, -1:] for mode in modes]
     return ModalFlow(
         pairs=np.array([len(mode.oscillators) for mode in modes]),

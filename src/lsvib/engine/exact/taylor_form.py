@@ -34,6 +34,27 @@ class TaylorMode:
         with np.errstate(divide="ignore"):
             return (1 / fastest,)
 
+    @staticmethod
+    def together(modes: Sequence["TaylorMode"], rows: Sequence[Sequence[Row]]) -> tuple[TaylorFlow, list[Row]]:
+        """Return the flow tables of some modes, of many drives with one more axis; their guards need nothing else."""
+        n = modes[0].push.shape[-1]
+        none = np.zeros(n), np.zeros((n, n)), -1.0
+        pieces, many = [mode.pieces for mode in modes], np.broadcast_shapes(*(mode.pieces.shape[:-2] for mode in modes))
+        places, forms, levels = zip(*(mode.settled or none for mode in modes), strict=True)
+        flow = TaylorFlow(
+            field=_together([mode.field for mode in modes], 2),
+            push=_together([mode.push for mode in modes], 1),
+            contact=_together([mode.contact for mode in modes], 1),
+            speed=_together([mode.speed for mode in modes], 1),
+            feedback=_together([mode.feedback for mode in modes], 0),
+            piece_start=np.cumsum([0, *(own.shape[-2] for own in pieces)]).astype(np.int64),
+            pieces=np.concatenate([np.broadcast_to(own, (*many, *own.shape[-2:])) for own in pieces], axis=-2),
+            settled_place=_together(places, 1),
+            settled_form=_together(forms, 2),
+            settled_level=_together(levels, 0),
+        )
+        return flow, []
+
 
 def still_mode(rows: Sequence[Row]) -> TaylorMode:
     """Return a mode without friction from the rows of its field (n, n + 1)."""
@@ -83,26 +104,6 @@ class Split:
         )
 
 
-def taylor_flow(modes: Sequence[TaylorMode]) -> TaylorFlow:
-    """Return the flow tables of some modes, of many drives with one more axis for them, the first."""
-    n = modes[0].push.shape[-1]
-    none = np.zeros(n), np.zeros((n, n)), -1.0
-    pieces, many = [mode.pieces for mode in modes], np.broadcast_shapes(*(mode.pieces.shape[:-2] for mode in modes))
-    places, forms, levels = zip(*(mode.settled or none for mode in modes), strict=True)
-    return TaylorFlow(
-        field=_together([mode.field for mode in modes], 2),
-        push=_together([mode.push for mode in modes], 1),
-        contact=_together([mode.contact for mode in modes], 1),
-        speed=_together([mode.speed for mode in modes], 1),
-        feedback=_together([mode.feedback for mode in modes], 0),
-        piece_start=np.cumsum([0, *(own.shape[-2] for own in pieces)]).astype(np.int64),
-        pieces=np.concatenate([np.broadcast_to(own, (*many, *own.shape[-2:])) for own in pieces], axis=-2),
-        settled_place=_together(places, 1),
-        settled_form=_together(forms, 2),
-        settled_level=_together(levels, 0),
-    )
-
-
 def _together(tables: Sequence[Any], dimensions: int) -> np.ndarray:
     """Put tables of so many dimensions for one drive together along a new axis before these."""
     return np.stack(np.broadcast_arrays(*tables), axis=-1 - dimensions)
@@ -120,8 +121,7 @@ def settled_region(
     """
     n, whole = mode.push.shape[-1], np.append(place, np.ones((*place.shape[:-1], 1)), axis=-1)
     sigma = _dot(mode.speed, whole)
-    piece = _piece_at(mode.pieces, sigma)
-    mu, first = _law(piece, sigma)
+    mu, first, piece = coefficient(mode.pieces, sigma)
     rise, fade, feedback = piece[..., RISE], piece[..., FADE], np.asarray(mode.feedback)
     # bounds of both derivatives on the piece
     steep, bent = abs(piece[..., LINEAR]) + rise * fade, 2 * rise * fade**2
@@ -178,16 +178,10 @@ def _numbers(matrix: np.ndarray) -> np.ndarray:
     return np.where(np.isfinite(matrix).all(axis=(-1, -2))[..., None, None], matrix, np.eye(matrix.shape[-1]))
 
 
-def eta(flow: TaylorFlow, states: np.ndarray, modes: np.ndarray) -> np.ndarray:
-    """Return η [1] at states (k, n) in modes (k); zero in a mode that does not slip."""
-    found = np.zeros(len(states))
-    for mode in np.unique(modes):
-        pieces, here = flow.pieces[flow.piece_start[mode] : flow.piece_start[mode + 1]], modes == mode
-        if len(pieces):
-            sigma = states[here] @ flow.speed[mode, :-1] + flow.speed[mode, -1]
-            mu, _ = _law(_piece_at(pieces, sigma), sigma)
-            found[here] = mu / (1 + flow.feedback[mode] * mu)
-    return found
+def coefficient(pieces: np.ndarray, sigma: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return μ and μ′ of a law by its pieces (..., p, PIECE) at a sliding speed [m/s] (...), and the piece there."""
+    piece = _piece_at(pieces, sigma)
+    return *_law(piece, sigma), piece
 
 
 def _piece_at(pieces: np.ndarray, sigma: np.ndarray) -> np.ndarray:
