@@ -12,7 +12,7 @@ from lsvib.engine.automaton import Automaton
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
 from lsvib.models.mechanism import seated_state
-from lsvib.models.model import Model, model_of
+from lsvib.models.model import Model, automaton_of, model_of
 from lsvib.stability.boundaries import place_values
 from lsvib.stability.force_thresholds import threshold_force
 
@@ -62,7 +62,7 @@ class RaceScene:
 
     def automaton(self) -> Automaton:
         """Build the automaton of the scene."""
-        return self.definition.build(self.drive, self.definition.options, "contact_sign")
+        return automaton_of(self.drive)
 
 
 @cache

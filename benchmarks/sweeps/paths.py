@@ -16,7 +16,7 @@ from lsvib.engine.kernels import layout
 from lsvib.engine.kernels.layout import ACCUMULATION_KIND, GRAZE_KIND
 from lsvib.engine.motion import Motion
 from lsvib.models.drive import Drive
-from lsvib.models.model import model_of
+from lsvib.models.model import automaton_of, model_of
 
 MOST_EVENTS = 60  # events of a motion; one with 40 digits is then compared in a fraction of a second
 INSTANT = 1e-12  # Events before this part of the duration belong to the start on a guard.
@@ -26,8 +26,7 @@ _LEAST = 1e-3  # least size of a motion, relative to that of steady sliding; a s
 
 def automaton(case: Case) -> Automaton:
     """Build the engine's model of a case; errors of the library where it refuses."""
-    model = model_of(case.drive)
-    return model.build(case.drive, (*model.options, *case.physics), "contact_sign")
+    return automaton_of(case.drive)
 
 
 def fields(automaton: Automaton) -> np.ndarray:

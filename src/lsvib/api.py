@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from lsvib.models import drive
 from lsvib.models.command import Command
 from lsvib.models.mechanics import Coefficients, coefficients
+from lsvib.models.model import automaton_of
 from lsvib.models.scene import Scene
 from lsvib.numbers import Progress
 from lsvib.results import StabilityReport, Threshold
@@ -138,10 +139,10 @@ class Drive(drive.Drive):
 
         Arguments:
 
-        * ``physics``: the terms that the equations of motion have, such as support_damping, axial_force and rest; by
-          default those that are not zero, and rest. A damping or force that is not listed must be zero.
+        * ``physics``: the terms that the equations of motion have, such as support_damping and axial_force; by default
+          those that are not zero. A damping or force that is not listed must be zero.
         * ``resume``: how motion goes on after a seizure: contact_sign (the contact keeps the sign of the impulse) or,
-          for the rigid drive, at_once (:mod:`lsvib.models.rigid`).
+          for the rigid drive, at_once (:mod:`lsvib.models.modes`).
 
         The tables are made once and shared by equal drives: do not change them. Raises ``InputError``.
 
@@ -391,8 +392,7 @@ class Drive(drive.Drive):
 
     def _automaton_and_state(self, start: Start, resume: str, physics: Terms) -> tuple["Automaton", Any]:
         scene = Scene(drive=self, start=start, duration=1.0, resume=resume, physics=physics)
-        definition = scene.definition
-        return definition.build(self, scene.terms, scene.resume), definition.initial_state(self, scene.start)
+        return automaton_of(self, scene.resume), scene.definition.initial_state(self, scene.start)
 
 
 def simulate(scene: Scene | Mapping[str, Any] | str | Path) -> "xr.Dataset":

@@ -25,7 +25,7 @@ from lsvib import Drive, api
 from lsvib.basins.boundary import basin
 from lsvib.dynamics.attractor import steady_state
 from lsvib.engine.motion import follow
-from lsvib.models.rigid import rigid_automaton
+from lsvib.models.model import automaton_of
 
 ROOT = Path(__file__).parents[2]
 START = {"u": 0.1, "w": 0.0}
@@ -162,9 +162,9 @@ def test_a_type_checker_sees_the_types(tmp_path):
 
 FAR = [0.5, -40.0]
 ANSWERS = {
-    "Automaton": lambda: rigid_automaton(PARADOX),
-    "Motion": lambda: follow(rigid_automaton(PARADOX), FAR, 1.0),
-    "SteadyState": lambda: steady_state(rigid_automaton(PARADOX), FAR),
+    "Automaton": lambda: automaton_of(PARADOX),
+    "Motion": lambda: follow(automaton_of(PARADOX), FAR, 1.0),
+    "SteadyState": lambda: steady_state(automaton_of(PARADOX), FAR),
     "Cycle": lambda: PARADOX.cycles().cycles[0],
     "Basin": lambda: basin(PARADOX),
 }

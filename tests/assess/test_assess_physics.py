@@ -18,7 +18,7 @@ from lsvib.dynamics.attractor import Attractor, steady_state
 from lsvib.models import friction
 from lsvib.models.mechanics import coefficients, damping_by_slope
 from lsvib.models.mechanism import standing_state
-from lsvib.models.rigid import rigid_automaton
+from lsvib.models.model import automaton_of
 from lsvib.stability.boundaries import stable_set
 from lsvib.stability.conditions import stability
 from lsvib.stability.force_thresholds import threshold_force
@@ -186,8 +186,8 @@ def test_a_perturbation_starts_vibration_in_fig_8_14b_and_not_in_a(force, verdic
     corner = found.mechanisms["after_perturbation"].there
     size, _ = corner.tolerated
     drive = corner.rigid
-    assert steady_state(rigid_automaton(drive), standing_state(drive)).label == Attractor.SPRAG_SLIP_CYCLE
-    ends = {w: steady_state(rigid_automaton(drive), [0.0, w * size]).label for w in (0.999, -0.999, 1.001, -1.001)}
+    assert steady_state(automaton_of(drive), standing_state(drive)).label == Attractor.SPRAG_SLIP_CYCLE
+    ends = {w: steady_state(automaton_of(drive), [0.0, w * size]).label for w in (0.999, -0.999, 1.001, -1.001)}
     assert ends[0.999] == ends[-0.999] == Attractor.STEADY_SLIDING
     assert Attractor.SPRAG_SLIP_CYCLE in (ends[1.001], ends[-1.001])
 

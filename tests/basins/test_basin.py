@@ -26,7 +26,7 @@ from lsvib.dynamics.attractor import Attractor, steady_state
 from lsvib.errors import InputError
 from lsvib.models.drive import PART_OF
 from lsvib.models.friction import NAMES
-from lsvib.models.rigid import rigid_automaton
+from lsvib.models.model import automaton_of
 
 DIGITS = 40
 WINDOW = Window(-0.3, 0.3, -150.0, 150.0)
@@ -57,7 +57,7 @@ def starts(found, number: int, seed: int) -> list[np.ndarray]:
 @pytest.mark.parametrize("rule", ["contact_sign", "at_once"])
 @pytest.mark.parametrize("scene", BASINS)
 def test_every_start_ends_where_the_basin_says(scene, rule):
-    found, automaton = basin(drive_of(scene)), rigid_automaton(drive_of(scene), resume=rule)
+    found, automaton = basin(drive_of(scene)), automaton_of(drive_of(scene), resume=rule)
     assert found.boundary.name.lower() == BASINS[scene][0]
     for state in starts(found, 40, 1):
         label = steady_state(automaton, state).label
@@ -78,7 +78,7 @@ def unresolved_beside(drives, count: int, away: float, **law) -> int:
         for arc in (arcs[k] for k in rng.integers(len(arcs), size=3)) if arcs else ():
             point = state_on(found.flow, arc, rng.uniform(0.01, 0.99) * arc.duration)
             for start in (point * (1 - away), point * (1 + away)):
-                label = steady_state(rigid_automaton(found.drive), start).label
+                label = steady_state(automaton_of(found.drive), start).label
                 unresolved += label == Attractor.UNRESOLVED
                 settles = label == Attractor.STEADY_SLIDING
                 assert label == Attractor.UNRESOLVED or found.contains(start) == settles, (found.drive, start)

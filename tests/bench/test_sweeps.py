@@ -21,8 +21,7 @@ from benchmarks.sweeps.paths import automaton, fields
 from lsvib import Drive
 from lsvib.engine.motion import follow
 from lsvib.errors import EngineError, InputError
-from lsvib.models.model import model_of
-from lsvib.models.rigid import rigid_automaton
+from lsvib.models.model import automaton_of
 
 EXACT = 1e-12  # of the size of the motion, as the project demands of a rigid drive
 
@@ -180,8 +179,7 @@ SCENES = {
 def motion_of(name):
     kind, parameters = SCENES[name]
     drive, physics = kind.of(parameters), tuple(RUBBING) if "rubbing" in name else ()
-    model = model_of(drive)
-    automaton = model.build(drive, (*model.options, *physics), "contact_sign")
+    automaton = automaton_of(drive)
     return follow(automaton, START[: len(automaton.states)], 0.05), drive, physics
 
 
@@ -205,7 +203,7 @@ def test_the_balance_closes_and_notices_a_wrong_parameter(name):
 def test_a_missed_reversal_is_seen():
     """A motion that stays under the old law after N = 0 has friction that drives it."""
     drive = Drive.of(LOADED)
-    automaton = rigid_automaton(drive)
+    automaton = automaton_of(drive)
     signs = automaton.tables.guard_sign.copy()
     signs[automaton.tables.guard_start[0]] = 0.0  # of N = 0 in the first mode
     deaf = follow(replace(automaton, tables=automaton.tables._replace(guard_sign=signs)), (-0.1, 0.0), 0.05)

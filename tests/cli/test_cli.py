@@ -24,8 +24,8 @@ from lsvib.errors import LsvibError
 from lsvib.figures.build import compute_figure
 from lsvib.figures.configuration import DEFAULT, checked, standard_settings
 from lsvib.files import check_outputs, replacing, uninterrupted
+from lsvib.models.model import automaton_of
 from lsvib.models.pairings import PAIRINGS
-from lsvib.models.rigid import rigid_automaton
 from lsvib.models.scene import read_yaml
 
 CONFIG = Path(__file__).parents[2] / "config" / "config.yaml"
@@ -55,7 +55,7 @@ def test_friction_by_name(run):
 def test_simulate(run, tmp_path):
     """The file has all that the method gives, and the attractor that the summary names."""
     code, out, error = run("simulate", *MOTION, "--samples", "21", "--out", "m.nc", "--json")
-    summary, motion = json.loads(out), follow(rigid_automaton(PARADOX), (0.1, 0.0), 0.1)
+    summary, motion = json.loads(out), follow(automaton_of(PARADOX), (0.1, 0.0), 0.1)
     assert (code, error) == (0, "")
     assert [summary["final_state"][key] for key in ("u", "w")] == motion.end_state.tolist()
     assert (summary["attractor"], summary["status"]) == ("sprag_slip_cycle", "time_reached")

@@ -22,7 +22,6 @@ from lsvib.models.drive import PART_OF
 from lsvib.models.many import ManyDrives, groups
 from lsvib.models.mechanism import standing_state
 from lsvib.models.model import automaton_of
-from lsvib.models.rigid import rigid_automaton
 
 NEAR_THRESHOLDS = {
     "mass": uniform(1, 20), "axial_force": uniform(-60, 60), "support_damping": uniform(0, 2e-3),
@@ -43,7 +42,7 @@ def test_tables_are_those_of_one_drive():
         for place, member in enumerate(group.members):
             if not group.safe[place]:
                 continue
-            done[member], one = True, rigid_automaton(drives[member])
+            done[member], one = True, automaton_of(drives[member])
             for name, table in one.tables._asdict().items():
                 other = np.asarray(getattr(group.automaton.tables, name))
                 other = other[place] if other.ndim > np.ndim(table) else other

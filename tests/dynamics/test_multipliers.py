@@ -33,7 +33,6 @@ from lsvib.errors import EngineError
 from lsvib.models.mechanism import seated_state, standing_state
 from lsvib.models.model import automaton_of
 from lsvib.models.names import Event
-from lsvib.models.rigid import rigid_automaton
 
 STEP = arb(10) ** -10
 EVENTS = 7
@@ -96,7 +95,7 @@ def rigid_motion(seed):
     """A random drive, and a motion of it that has events."""
     for attempt in range(50):
         drive, start = random_rigid(1000 * seed + attempt)
-        motion = follow(rigid_automaton(drive), start, np.inf, max_events=EVENTS)
+        motion = follow(automaton_of(drive), start, np.inf, max_events=EVENTS)
         if qualified(motion):
             return drive, start, motion
     raise AssertionError("no motion has events")
@@ -257,7 +256,7 @@ def test_cycles_of_pure_slip(speed, slope, rise):
         stribeck_speed=math.sqrt(2) * sliding, input_speed=speed, axial_force=math.copysign(60.0, speed),
         support_damping=2e-5, translation_damping=20.0,
     )  # fmt: skip
-    cycle = steady_state(rigid_automaton(drive), [1e-3, 0.1 * speed])
+    cycle = steady_state(automaton_of(drive), [1e-3, 0.1 * speed])
     assert cycle.label == Attractor.OTHER_CYCLE
     assert 0.01 < cycle.multiplier < 1
     assert set(cycle.orbit.kind) == {Event.PASSAGE}
@@ -268,7 +267,7 @@ def agreeing(seeds):
     """Return how many cycles of random drives agree, and how many of them have a multiplier that is not zero."""
     compared, moving = 0, 0
     for drive, start in law_starts(seeds):
-        cycle = steady_state(rigid_automaton(drive), start)
+        cycle = steady_state(automaton_of(drive), start)
         if cycle.orbit is not None and agrees(drive, cycle):
             compared, moving = compared + 1, moving + (abs(cycle.multiplier) > 1e-6)
     return compared, moving

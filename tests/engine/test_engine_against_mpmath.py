@@ -23,8 +23,8 @@ from references.known import NEGATIVE_DAMPING
 from lsvib import Drive
 from lsvib.engine.exact.modal_form import PlanarMode
 from lsvib.engine.kernels import flow_planar, layout
-from lsvib.models.names import Event
-from lsvib.models.rigid import MotionMode, rigid_automaton
+from lsvib.models.model import automaton_of
+from lsvib.models.names import Event, MotionMode
 
 TOLERANCE = 1e-12
 LONG = NEGATIVE_DAMPING.replace(axial_force=40.0)
@@ -132,7 +132,7 @@ def near_tangencies(seed: int):
     rng = np.random.default_rng(seed)
     while True:
         drive, rule = random_drive(rng), RULES[rng.integers(2)]
-        automaton = rigid_automaton(drive, resume=rule)
+        automaton = automaton_of(drive, resume=rule)
         for mode, level, touch in tangencies(automaton):
             row = automaton.tables.flow[mode]
             backward = np.array([PlanarMode.of(1.0, -row[layout.A1], row[layout.A0], row[layout.B]).row])

@@ -25,7 +25,6 @@ from lsvib.engine.kernels import event_loop, jit
 from lsvib.engine.motion import bouncing, follow
 from lsvib.errors import EngineError
 from lsvib.models.model import automaton_of
-from lsvib.models.rigid import rigid_automaton
 
 
 def test_growth_beyond_all_numbers_does_not_move_what_is_in_equilibrium():
@@ -36,7 +35,7 @@ def test_growth_beyond_all_numbers_does_not_move_what_is_in_equilibrium():
         friction_coefficient=0.1608478915598803, input_speed=0.1696369958396299, mass=0.09625457766977397,
         translation_damping=10800.043519753883, axial_force=632.0047383503252,
     )  # fmt: skip
-    motion = follow(rigid_automaton(drive), (0.0, 0.0), 0.2)
+    motion = follow(automaton_of(drive), (0.0, 0.0), 0.2)
     assert motion.time.size == 0
     assert motion.end_state.tolist() == [0.0, 0.0]
     assert not motion.at([0.001, 0.1, 0.2])[0].any()
@@ -74,13 +73,13 @@ FASTEST = Drive(translation_damping=1e15, friction_slope=-1e-5)  # turns at 10¹
 def test_a_motion_of_too_many_steps_is_refused_in_one_sentence(monkeypatch):
     monkeypatch.setattr("lsvib.engine.motion._MANY_STEPS", 10_000)
     with pytest.raises(EngineError, match=r"than 10,000 steps by its event after t = 0 s; shorten the duration"):
-        follow(rigid_automaton(FASTEST), (0.1, 0.0), 1.0)
+        follow(automaton_of(FASTEST), (0.1, 0.0), 1.0)
 
 
 def test_samples_of_a_friction_law_do_not_depend_on_those_before():
     """All samples of a stay are taken in one pass; each is that of a pass of its own, to rounding."""
     drive = Drive(stribeck_rise=0.05, stribeck_speed=0.02)
-    motion = follow(rigid_automaton(drive), (0.1, 0.0), 0.2)
+    motion = follow(automaton_of(drive), (0.1, 0.0), 0.2)
     times = np.sort(np.append(np.linspace(0.0, 0.2, 301), motion.time))
     states, modes = motion.at(times)
     for time, state, mode in zip(times, states, modes, strict=True):
@@ -89,9 +88,9 @@ def test_samples_of_a_friction_law_do_not_depend_on_those_before():
         assert (np.abs(alone[0] - state) <= 1e-13 * np.abs(states).max(axis=0)).all()
 
 
-SPRAG_SLIP = rigid_automaton(PARADOX)
-STICK_SLIP = rigid_automaton(NEGATIVE_DAMPING.replace(axial_force=40.0))
-NO_DAMPING = rigid_automaton(Drive.of(mass=11.0, axial_force=-10.0), resume="at_once")  # seizures accumulate
+SPRAG_SLIP = automaton_of(PARADOX)
+STICK_SLIP = automaton_of(NEGATIVE_DAMPING.replace(axial_force=40.0))
+NO_DAMPING = automaton_of(Drive.of(mass=11.0, axial_force=-10.0), resume="at_once")  # seizures accumulate
 THREADS = automaton_of(threads_drive(mass=11.0, axial_force=50.0, contact_stiffness=1e8, contact_damping=1e8))
 
 
@@ -197,17 +196,16 @@ import json
 from lsvib.dynamics.attractor import steady_state
 from lsvib.engine.motion import follow
 from lsvib import Drive
-from lsvib.models.rigid import rigid_automaton
 
 results = []
 for mass, force, c_x, rule in (
     (1.0, 40.0, 1e3, "contact_sign"), (11.0, 50.0, 0.0, "contact_sign"), (15.0, -20.0, 0.0, "at_once")
 ):
-    automaton = rigid_automaton(Drive.of(mass=mass, axial_force=force, translation_damping=c_x), resume=rule)
+    automaton = automaton_of(Drive.of(mass=mass, axial_force=force, translation_damping=c_x), resume=rule)
     motion = follow(automaton, (0.05, 10.0), 0.05)
     states, modes = motion.at([0.0, 0.01, 0.02, 0.05])
     results.append([motion.time.tolist(), motion.kind.tolist(), states.tolist(), modes.tolist()])
-cycle = steady_state(rigid_automaton(Drive.of(axial_force=25.0, translation_damping=1e3)), (0.05, 5.0))
+cycle = steady_state(automaton_of(Drive.of(axial_force=25.0, translation_damping=1e3)), (0.05, 5.0))
 results.append([[cycle.period, cycle.amplitude, float(cycle.multiplier)], [int(cycle.label)], [], []])
 print(json.dumps(results))
 """

@@ -30,7 +30,7 @@ from lsvib.errors import LsvibError
 from lsvib.figures import configuration
 from lsvib.figures.contact_force import ForceOutcome
 from lsvib.figures.fig8_03 import Stability
-from lsvib.models import mechanics, modes, rigid
+from lsvib.models import mechanics, modes
 from lsvib.models.chapter import claims, listed
 from lsvib.models.drive import forget
 from lsvib.models.names import Event
@@ -282,8 +282,7 @@ def quantity(request, right, monkeypatch):
     """One of the quantities, made wrong where drives, automata and thresholds take it from, once ``right`` is built."""
     name = QUANTITIES[request.param]
     if name == "normal_force":
-        for model in (rigid, modes):
-            monkeypatch.setattr(model, "assemble", _observing_wrongly(model.assemble))
+        monkeypatch.setattr(modes, "assemble", _observing_wrongly(modes.assemble))
     else:
         formula, whole = getattr(mechanics, name), mechanics.LinearParts.polynomial
         monkeypatch.setattr(mechanics, name, lambda *values: formula(*values) * WRONG)

@@ -11,14 +11,13 @@ from lsvib.engine.motion import Budget, follow
 from lsvib.errors import InputError
 from lsvib.models.command import Command
 from lsvib.models.mechanism import standing_state
-from lsvib.models.model import model_of
+from lsvib.models.model import automaton_of
 from lsvib.models.names import Event
 
 
 def followed(drive: Drive, start: np.ndarray, duration: float, command: Command | None = None, resume="contact_sign"):
     """The motion of a drive from a state, under a command or at its input speed."""
-    model = model_of(drive)
-    automaton = model.build(drive, model.physics_of(drive), resume, command)
+    automaton = automaton_of(drive, resume, command)
     return follow(automaton, [*start, *([0.0] if command else [])], duration, budget=Budget(100_000))
 
 
@@ -107,10 +106,3 @@ def test_a_wrong_command_is_refused_in_one_sentence(command, words):
         lsvib.Drive().simulate("rest", 1.0, command=command)
     assert words in str(error.value)
     assert "\n" not in str(error.value)
-
-
-def test_a_command_needs_rest():
-    with pytest.raises(InputError, match="physics leaves out rest, which a drive whose commanded speed changes has"):
-        lsvib.Drive().simulate(
-            "rest", 1.0, command={"times": [0, 1], "speeds": [0, 40]}, physics=("axial_force", "support_damping")
-        )

@@ -11,8 +11,7 @@ from references.drives import DRIVES, threads_drive
 from lsvib import Drive
 from lsvib.engine.motion import follow
 from lsvib.models.model import automaton_of
-from lsvib.models.names import Event
-from lsvib.models.rigid import MotionMode, rigid_automaton
+from lsvib.models.names import Event, MotionMode
 
 START, UNLOADED = (0.1, 0.0, 0.0, 0.0), (0.005, 0.0, 0.0, 0.0)
 BACKWARD, WOUND_UP = (-0.05, -60.0, 1e-9, 1e-3), (0.1, 30.0, 0.0, -1e-2)
@@ -69,7 +68,7 @@ def test_motion_against_40_digits(name):
 def test_three_reverse_slips_in_a_row(force):
     """From u = 0.3 rad the screw seizes three times; in the viscous limit compliant threads do the same."""
     drive = Drive.of(**PARADOX, axial_force=force)
-    rigid, times = follow(rigid_automaton(drive), [0.30, -80.0], 0.01, max_events=50), np.linspace(0.0, 0.0045, 300)
+    rigid, times = follow(automaton_of(drive), [0.30, -80.0], 0.01, max_events=50), np.linspace(0.0, 0.0045, 300)
     after = [MotionMode(int(rigid.automaton.codes[mode])).name for mode in rigid.mode]
     reverse = [
         mode

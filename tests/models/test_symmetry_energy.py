@@ -16,7 +16,6 @@ from benchmarks.sweeps.energy_balance import balance
 from lsvib.engine.motion import follow
 from lsvib.errors import EngineError, InputError
 from lsvib.models.model import automaton_of, model_of
-from lsvib.models.rigid import rigid_automaton
 
 
 def motions(count):
@@ -25,7 +24,7 @@ def motions(count):
     for _ in range(count):
         drive, (u, w), rule = random_drive(rng), random_start(rng), RULES[rng.integers(2)]
         start = (u, -drive.input_speed if rng.random() < 0.1 else w), rng.uniform(1e-3, 0.05)
-        yield drive, rule, follow(rigid_automaton(drive, resume=rule), *start, max_events=200), start
+        yield drive, rule, follow(automaton_of(drive, resume=rule), *start, max_events=200), start
 
 
 def motions_with_parts(seeds):
@@ -40,7 +39,7 @@ def test_mirror_symmetry_is_exact():
     opposite = {"FORWARD": "BACKWARD", "BACKWARD": "FORWARD", "POSITIVE": "NEGATIVE", "NEGATIVE": "POSITIVE"}
     for drive, rule, motion, (start, duration) in chain(motions(300), motions_with_parts(range(40))):
         mirrored = drive.replace(axial_force=-drive.axial_force, input_speed=-drive.input_speed)
-        automaton = automaton_of(mirrored) if drive.parts else rigid_automaton(mirrored, resume=rule)
+        automaton = automaton_of(mirrored) if drive.parts else automaton_of(mirrored, resume=rule)
         image = follow(automaton, -np.array(start), duration, max_events=200)
         for name in ("time", "kind"):
             np.testing.assert_array_equal(getattr(image, name), getattr(motion, name))

@@ -16,7 +16,6 @@ from lsvib.errors import EngineError, InputError
 from lsvib.models.command import Command
 from lsvib.models.model import automaton_of, model_of
 from lsvib.models.names import Event
-from lsvib.models.rigid import rigid_automaton
 from references.bodies import Bodies
 from references.drives import drive_with_parts
 from references.rigid_digits import RigidTruth, simulate
@@ -41,7 +40,7 @@ class Comparison:
 def compare(drive: Drive, start, t_end: float, rule: str = "contact_sign", max_events: int = 10_000) -> Comparison:
     """Follow a motion both ways; its size is the largest |u| and |w| at its start, its events and its end."""
     expected = simulate(dict(drive), *start, t_end, resume_rule=rule, max_events=max_events)
-    motion = follow(rigid_automaton(drive, resume=rule), start, t_end, max_events=max_events)
+    motion = follow(automaton_of(drive, resume=rule), start, t_end, max_events=max_events)
     visited = [[s.u, s.w] for s in expected.segments] + [[e.u_before, e.w_before] for e in expected.events]
     size = np.abs(np.array([*visited, [expected.u, expected.w]], dtype=float)).max(axis=0)
     gap = [abs(float(motion.end_state[0] - expected.u)), abs(float(motion.end_state[1] - expected.w))]
@@ -67,7 +66,7 @@ def by_newton(drive: Drive, start, command: Command | None, duration: float, mos
 def by_package(drive: Drive, start, command: Command | None, duration: float, most: int, inner=("passage",)) -> Found:
     """The same by the package, in the words of the reference, without events that are ``inner`` ones."""
     model, laws, n = model_of(drive), Series(drive), len(start)
-    automaton = model.build(drive, model.physics_of(drive), "contact_sign", command)
+    automaton = automaton_of(drive, command=command)
     motion = follow(automaton, [*start, *([0.0] if command else [])], duration, max_events=8 * most)  # with passages
     modes = [laws.mode(model.modes(int(automaton.codes[mode])).name.lower()) for mode in motion.arcs()[0]]
     kinds, states = [Event(kind).name.lower() for kind in motion.kind], [*motion.after, motion.end_state]

@@ -27,8 +27,8 @@ from lsvib.dynamics.attractor import Attractor, steady_state
 from lsvib.engine.kernels.layout import Status
 from lsvib.engine.motion import follow
 from lsvib.errors import EngineError, InputError, NoThreshold
+from lsvib.models.model import automaton_of
 from lsvib.models.names import Event
-from lsvib.models.rigid import rigid_automaton
 from lsvib.stability.force_thresholds import threshold_force, widest_return
 from lsvib.stability.motion_equations import Return
 from lsvib.stability.slip import SlipDrive, half_return, leaving
@@ -184,7 +184,7 @@ def test_limit_cycle_right_up_to_the_threshold(speed):
     drive = PARADOX.replace(input_speed=speed)
     limit = threshold_force(drive, "global_stability")
     for share in (*np.linspace(0.3, 0.9, 7), *(1 - 10.0**-n for n in (3, 6, 8)), *(1 + 10.0**-n for n in (8, 5, 2))):
-        automaton = rigid_automaton(drive.replace(axial_force=share * limit))
+        automaton = automaton_of(drive.replace(axial_force=share * limit))
         ends = [steady_state(automaton, start) for start in math.copysign(1, speed) * np.array(STARTS)]
         label = Attractor.SPRAG_SLIP_CYCLE if share < 1 else Attractor.STEADY_SLIDING
         assert {end.label for end in ends} == {label}, share
@@ -210,7 +210,7 @@ def test_forces_with_the_motion(speed):
     inside = in_cycle(SlipDrive.of(drive))
     starts = [(math.copysign(1, speed) * u, math.copysign(1, speed) * w) for u, w in [*STARTS, (inside, -40.0)]]
     for share, stable in ((1 - 1e-6, True), (0.5, True), (-1.0, True), (1 + 1e-6, False), (1.2, False)):
-        automaton = rigid_automaton(drive.replace(axial_force=share * limit))
+        automaton = automaton_of(drive.replace(axial_force=share * limit))
         motions = [follow(automaton, start, math.inf, max_events=5000) for start in starts]
         assert all(motion.status == Status.SETTLED for motion in motions) == stable, share
 
@@ -275,7 +275,7 @@ def settles(drive, force, start, made, sign, count=20_000) -> bool | None:
     moves left until it rests; so does slip that seizes while u falls; other slip moves right, to smaller turns.
     """
     try:
-        motion = follow(rigid_automaton(drive.replace(axial_force=force)), start, math.inf, max_events=count)
+        motion = follow(automaton_of(drive.replace(axial_force=force)), start, math.inf, max_events=count)
     except EngineError:
         return None
     if motion.status == Status.SETTLED:

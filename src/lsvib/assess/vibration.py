@@ -18,7 +18,6 @@ from lsvib.models import friction
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
 from lsvib.models.model import Model, automaton_of, model_of
-from lsvib.models.rigid import rigid_automaton
 from lsvib.words import plain
 
 UNDECIDED = ("neutral family", "unresolved", "unknown")  # ends of motions that neither settle nor certainly vibrate
@@ -193,7 +192,7 @@ def tolerated(drive: Drive) -> Tolerated:
     try:
         c = coefficients(drive)
         ratio = 0.5 * float(c.damping[-1]) / math.sqrt(drive.coupling_stiffness * float(c.gamma[-1]))
-        if not (c.paradox or rigid_automaton(drive).contracts) and 0 < ratio < 2e-4:
+        if not (c.paradox or automaton_of(drive).contracts) and 0 < ratio < 2e-4:
             return None, TOLERATED["hardly_damped"]  # the boundary winds through more than 10⁴ turns
         found = resilience(drive).speed
     except (InputError, EngineError) as error:

@@ -29,7 +29,8 @@ from lsvib.errors import EngineError, InputError, LsvibError
 from lsvib.models import friction
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import Coefficients, coefficients
-from lsvib.models.rigid import MotionMode, rigid_automaton
+from lsvib.models.model import automaton_of
+from lsvib.models.names import MotionMode
 from lsvib.stability.conditions import stability
 
 
@@ -66,7 +67,7 @@ class Basin:
     def flow(self) -> Flow:
         """The flow to which the arcs refer: that of the drive's automaton, backwards in time under a law."""
         law = friction.depends_on_speed(self.drive)
-        return (backward_under_law(self.drive) if law else rigid_automaton(self.drive)).flow
+        return (backward_under_law(self.drive) if law else automaton_of(self.drive)).flow
 
     def contains(self, state: ArrayLike) -> bool:
         """Whether the motion from ``state`` (u [rad], w [rad/s]) settles; on the boundary itself either answer."""
@@ -161,7 +162,7 @@ def known_basin(drive: Drive) -> Basin | None:
 
 def _under_law(drive: Drive, c: Coefficients) -> tuple[Boundary, list[Curve]]:
     """Return the basin under a friction law, likewise; the motion starts where the engine proves that it settles."""
-    flow: Any = rigid_automaton(drive).tables.flow
+    flow: Any = automaton_of(drive).tables.flow
     mode = int(np.argmax(flow.settled_level))
     if not (level := float(flow.settled_level[mode])) > 0:
         if not (found := stability(drive)).stable:
@@ -181,7 +182,7 @@ def _continuous(drive: Drive, c: Coefficients) -> tuple[Boundary, list[Curve]]:
             f"translation_damping = {drive.translation_damping:g} is so large that slip under law + may grow for ever "
             "without a turn; the basin of such a drive is not covered."
         )
-    if rigid_automaton(drive).contracts:  # areas shrink everywhere, so there is no closed orbit
+    if automaton_of(drive).contracts:  # areas shrink everywhere, so there is no closed orbit
         return Boundary.NONE, []
     back = backward_automaton(drive)
     mode = MotionMode.SLIP_FORWARD_NEGATIVE if c.steady_law < 0 else MotionMode.SLIP_FORWARD_POSITIVE
@@ -323,7 +324,7 @@ def _forward_arcs(trace: Motion, drive: Drive) -> list[Arc]:
     """Return the arcs of a motion backwards as arcs forward in time, the earliest first; none has zero duration."""
     codes, turned = trace.automaton.codes, np.array([1.0, -1.0])
     return [
-        Arc(_row_of(rigid_automaton(drive), codes[arc.mode]), arc.end * turned, arc.start * turned, arc.duration)
+        Arc(_row_of(automaton_of(drive), codes[arc.mode]), arc.end * turned, arc.start * turned, arc.duration)
         for arc in _traced_arcs(trace)[::-1]
     ]
 
@@ -341,13 +342,13 @@ def _row_of(automaton: Automaton, mode: int) -> int:
 
 def _mirrored(found: Basin, drive: Drive) -> Basin:
     """Return the basin of a drive from that of the drive with Ω and R reversed: the plane turned by half a turn."""
-    automaton = rigid_automaton(drive)
+    automaton = automaton_of(drive)
 
     def turned(piece: Segment | Arc) -> Segment | Arc:
         """A piece of the boundary, turned by half a turn, with the mode that has both signs reversed."""
         if isinstance(piece, Segment):
             return Segment(-piece.start, -piece.end)
-        code = MotionMode.SLIP_BACKWARD_NEGATIVE - int(rigid_automaton(found.drive).codes[piece.mode])
+        code = MotionMode.SLIP_BACKWARD_NEGATIVE - int(automaton_of(found.drive).codes[piece.mode])
         return Arc(_row_of(automaton, code), -piece.start, -piece.end, piece.duration)
 
     curves = tuple([turned(piece) for piece in curve] for curve in found.curves)

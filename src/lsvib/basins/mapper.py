@@ -11,7 +11,7 @@ from lsvib.dynamics.attractor import SteadyState
 from lsvib.errors import InputError
 from lsvib.models.drive import Drive
 from lsvib.models.friction import depends_on_speed
-from lsvib.models.model import coordinates, model_of
+from lsvib.models.model import automaton_of, coordinates, model_of
 from lsvib.numbers import Progress
 
 QUANTITIES = {"label": np.int8, "time": np.float64, "seizures": np.int32, "first_event": np.int8, "doubt": np.int8}
@@ -33,7 +33,7 @@ class Mapper(ABC):
         self.drive, self.physics = drive, physics
         self.definition = model_of(drive)
         self.events = self.definition.events
-        self.automaton = self.definition.build(drive, physics, "contact_sign")
+        self.automaton = automaton_of(drive)
         self.keys = tuple(key for key in coordinates() if coordinates()[key] in self.automaton.states)
 
     def cells(
@@ -105,7 +105,7 @@ def mapper(drive: Drive, physics: Sequence[str] | None = None) -> Mapper:
     [[0, 0, 0, 0], [0, 0, 0, 2]]
     """
     definition = model_of(drive)
-    physics = (*definition.terms, *definition.options) if physics is None else tuple(physics)
+    physics = definition.terms if physics is None else tuple(physics)
     if not (drive.rigid and drive.input_speed):
         from lsvib.basins.slice_mapper import StateMapper  # each with kernels of its own
 

@@ -16,7 +16,7 @@ from lsvib.basins.boundary import AttractsNothing, Basin, basin
 from lsvib.basins.curves import Arc, Part, Piece, Window, passes, sign_changes, state_on, states_on
 from lsvib.engine.flow import Flow
 from lsvib.models.drive import Drive
-from lsvib.models.rigid import rigid_automaton
+from lsvib.models.model import automaton_of
 from lsvib.numbers import bisected
 
 _SAMPLES = 400  # of an arc under a friction law, between which the energy is taken to have no two extrema
@@ -56,7 +56,7 @@ def resilience(drive: Drive, window: Part | None = None) -> Resilience:
     window = None if window is None else Window.of(window)
     share, nowhere = (math.nan if window is None else 1.0), (math.nan, math.nan)
     everything = (math.inf, math.inf, math.inf, nowhere, share, window)
-    if drive.rigid and rigid_automaton(drive).contracts and drive.support_damping > 0:
+    if drive.rigid and automaton_of(drive).contracts and drive.support_damping > 0:
         return Resilience("none", *everything)  # every motion settles, however slowly: no boundary is looked for
     try:
         region = basin(drive)

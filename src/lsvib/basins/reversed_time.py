@@ -23,11 +23,10 @@ from lsvib.errors import InputError
 from lsvib.models.drive import Drive
 from lsvib.models.law_modes import modes_of
 from lsvib.models.mechanics import coefficients
-from lsvib.models.names import Event
-from lsvib.models.rigid import SLIPS, MotionMode, rigid_automaton
+from lsvib.models.model import automaton_of
+from lsvib.models.names import Event, MotionMode
 
 BEGINNING = int(MotionMode.REST)  # code of the mode in which a trace ends
-_SIGNS = {MotionMode[name.upper()]: signs for name, signs in SLIPS.items()}
 
 
 def backward_automaton(drive: Drive, touch: arb | None = None) -> Automaton:
@@ -38,32 +37,26 @@ def backward_automaton(drive: Drive, touch: arb | None = None) -> Automaton:
     """
     if drive.input_speed < 0:
         raise InputError(f"input_speed = {drive.input_speed:g} is outside the allowed range 0 < input_speed.")
-    c, d = coefficients(drive), drive.exact()
-    forward = rigid_automaton(drive)
-    q_u, q_w, q_0 = c.q_row
+    c, (q_u, q_w, q_0) = coefficients(drive), coefficients(drive).q_row
     with many_digits():
+        forward = modes_of(drive.exact(), ())
         backward = q_u, -q_w, q_0
+        slips = {key: forward.solution(key).field[1] for key in forward.slips if not c.paradox or key[0] > 0}
+        terms = {key: (1, damping, -stiffness, force) for key, (stiffness, damping, force) in slips.items()}
     surfaces = {
-        "contact": Surface(backward, int(forward.tables.snap[0])),
-        "screw_speed": Surface((0, -1, d.input_speed), 1),
+        "contact": Surface(backward, int(automaton_of(drive).tables.snap[0])),
+        "screw_speed": Surface((0, -1, drive.input_speed), 1),
     }
-    modes, named = {}, {signs: mode.name for mode, signs in _SIGNS.items()}
-    transitions = _seizures(c.q_row, touch) if c.paradox else {}
-    for mode in (MotionMode(int(code)) for code in forward.codes):
-        if mode == MotionMode.REST or (c.paradox and mode != MotionMode.SLIP_FORWARD_NEGATIVE):
-            continue
-        direction, q_sign = _SIGNS[mode]
-        law = direction * q_sign
-        with many_digits():
-            force = d.pitch_radius * c.slack(law) * c.net_force
-            terms = c.gamma[law], -c.damping[law], d.coupling_stiffness, force
-        contact = Guard("contact", q_sign, "nothing" if c.paradox else f"contact_{mode.name}")
-        guards = (contact, Guard("screw_speed", direction, f"stand_{mode.name}"))
-        modes[mode.name] = Mode(int(mode), PlanarMode.of(*terms), guards)
+    modes, transitions = {}, _seizures(c.q_row, touch) if c.paradox else {}
+    for key, own in terms.items():
+        (d, q, ways), name = key, forward.name(key)
+        contact = Guard("contact", q, "nothing" if c.paradox else f"contact_{name}")
+        guards = (contact, Guard("screw_speed", d, f"stand_{name}"))
+        modes[name] = Mode(MotionMode[name.upper()], PlanarMode.of(*own), guards)
         if not c.paradox:
-            reversal = Branch(named[direction, -q_sign], Event.CONTACT_REVERSAL)
-            transitions[f"contact_{mode.name}"] = Transition((reversal,))
-            transitions[f"stand_{mode.name}"] = Transition((Branch(named[-direction, q_sign], Event.REVERSAL),))
+            reversal = Branch(forward.name((d, -q, ways)), Event.CONTACT_REVERSAL)
+            transitions[f"contact_{name}"] = Transition((reversal,))
+            transitions[f"stand_{name}"] = Transition((Branch(forward.name((-d, q, ways)), Event.REVERSAL),))
     if c.paradox:
         # Any motion that grows would do: nothing comes back from there.
         modes["beginning"] = Mode(BEGINNING, PlanarMode.of(1, -1, 1, 0), ())
@@ -104,7 +97,7 @@ def backward_under_law(drive: Drive) -> Automaton:
 
 def _seizures(q_row: Row, touch: arb | None) -> dict[str, Transition]:
     """Transitions for Γ₊ ≤ 0: from θ′ = 0 to the state of Q = 0 in which the seizure began."""
-    (q_u, q_w, q_0), forward = q_row, MotionMode.SLIP_FORWARD_NEGATIVE.name
+    (q_u, q_w, q_0), forward = q_row, MotionMode.SLIP_FORWARD_NEGATIVE.name.lower()
     nothing = Branch("beginning", Event.SEIZURE)
     if q_w <= 0:
         return dict.fromkeys(("nothing", f"stand_{forward}"), Transition((nothing,)))

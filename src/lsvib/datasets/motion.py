@@ -17,6 +17,7 @@ from lsvib.dynamics.attractor import Attractor, Doubt, SteadyState, orbit_extrem
 from lsvib.dynamics.impulses import Impulses, event_impulses
 from lsvib.engine.motion import Budget, Motion, follow
 from lsvib.models.drive import changed, names_and_values, parameters_of
+from lsvib.models.model import automaton_of
 from lsvib.models.scene import Scene, read_yaml
 
 _COMMANDED = (
@@ -55,7 +56,7 @@ class Simulation:
     def of(cls, scene: Scene, budget: Budget | None = None) -> Self:
         """Follow the motion to its end, as far as a ``budget`` suffices (:func:`lsvib.engine.motion.follow`)."""
         definition = scene.definition
-        automaton = definition.build(scene.drive, scene.terms, scene.resume, scene.command)
+        automaton = automaton_of(scene.drive, scene.resume, scene.command)
         start = definition.initial_state(scene.drive, scene.start)
         clock = np.zeros(len(automaton.states) - start.size)
         return cls(scene, follow(automaton, np.concatenate([start, clock]), scene.duration, budget=budget))
@@ -72,7 +73,7 @@ class Simulation:
         state = motion.end_state[: len(scene.definition.states)]
         if scene.command.times[-1] > scene.duration or scene.command.speeds[-1] != scene.drive.input_speed:
             return SteadyState.unresolved(state, Doubt.COMMAND)
-        return steady_state(scene.definition.build(scene.drive, scene.terms, scene.resume), state)
+        return steady_state(automaton_of(scene.drive, scene.resume), state)
 
     @property
     def _seizures(self) -> Impulses | None:

@@ -17,8 +17,8 @@ from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.errors import InputError
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
-from lsvib.models.names import CLOCK, RULES, Event, Resume
-from lsvib.models.rigid import MotionMode, rigid_automaton
+from lsvib.models.model import automaton_of
+from lsvib.models.names import CLOCK, RULES, Event, MotionMode, Resume
 
 if TYPE_CHECKING:
     from lsvib.dynamics.attractor import SteadyState
@@ -73,14 +73,14 @@ def reached(drive: Drive, start: Mapping[str, float], resume: Resume = RULES[0])
     """Return what the motion of the rigid drive from u [rad] and w [rad/s] ends in, by a rule of resuming."""
     from lsvib.dynamics.attractor import steady_state
 
-    return steady_state(rigid_automaton(drive, resume=resume), [start["u"], start["w"]])
+    return steady_state(automaton_of(drive, resume=resume), [start["u"], start["w"]])
 
 
 def followed(drive: Drive, start: Any, duration: float, resume: Resume = RULES[0]) -> Motion:
     """Return the motion of the rigid drive from u [rad] and u′ [rad/s] over a ``duration`` [s]."""
     from lsvib.engine.motion import follow
 
-    return follow(rigid_automaton(drive, resume=resume), start, duration)
+    return follow(automaton_of(drive, resume=resume), start, duration)
 
 
 def attractors(dims: cf.Dims, labels: Any, words: str = ATTRACTOR, **more: Any) -> cf.Variable:

@@ -186,7 +186,7 @@ def assemble(
 
 def scaled(row: Row, factor: Number) -> tuple[Any, ...]:
     """Return a row times a number; what is not there stays so."""
-    return tuple(factor * x if x.__class__ is not int or x else 0 for x in row)
+    return tuple([factor * x if x.__class__ is not int or x else 0 for x in row])
 
 
 def _rows(rows: Sequence[Row], n: int, shape: tuple[int, ...] | None = None) -> np.ndarray:

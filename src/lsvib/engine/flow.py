@@ -27,7 +27,7 @@ class Linear:
     def __init__(self, tables: Any, planar: bool = False) -> None:
         self.tables, self.planar = tables, planar
         self.form: ModalFlow = _as_modal(tables) if planar else tables
-        self.field, self.numbers = self.form.field, [*tables]  # the latter are all finite
+        self.field, self.numbers = self.form.field, [tables] if planar else [*tables]  # the latter are all finite
 
     def each(self, change: Callable[[np.ndarray, int], Any]) -> Any:
         """Return tables made from these, one by one, by a function of a table and its dimensions for one drive."""

@@ -21,7 +21,7 @@ from lsvib.models import chapter
 from lsvib.models.chapter import claims
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
-from lsvib.models.rigid import MotionMode
+from lsvib.models.names import MotionMode
 from lsvib.pictures import drawing, style
 
 CAPTION = """\

@@ -15,8 +15,7 @@ from lsvib.figures.contact_force import Existence, existence
 from lsvib.figures.settings import PhasePlane, Span, Values
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
-from lsvib.models.names import RULES, Event
-from lsvib.models.rigid import MotionMode
+from lsvib.models.names import RULES, Event, MotionMode
 from lsvib.pictures import drawing, style
 
 CAPTION = """\

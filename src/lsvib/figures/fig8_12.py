@@ -13,8 +13,7 @@ from lsvib.errors import InputError
 from lsvib.figures.common import about
 from lsvib.figures.settings import DriveFigure, Span, State, Values
 from lsvib.models.drive import Drive
-from lsvib.models.names import RULES
-from lsvib.models.rigid import MotionMode
+from lsvib.models.names import RULES, MotionMode
 from lsvib.numbers import bisected
 from lsvib.pictures import style
 

@@ -22,8 +22,7 @@ from lsvib.figures.common import Motion, about, spread
 from lsvib.figures.settings import Cells, MassPair, OpposingForces, PhasePlane, Values
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
-from lsvib.models.names import RULES, Event, Resume
-from lsvib.models.rigid import MotionMode
+from lsvib.models.names import RULES, Event, MotionMode, Resume
 from lsvib.pictures import drawing, style
 
 CAPTION = """\

@@ -16,11 +16,9 @@ from lsvib.engine.exact.arithmetic import Divided, double
 from lsvib.engine.kernels.layout import DIMENSIONS
 from lsvib.errors import EngineError
 from lsvib.models import friction
-from lsvib.models.drive import DRY, PART_OF, Drive
+from lsvib.models.drive import DRY, Drive
 from lsvib.models.law_modes import modes_of
-from lsvib.models.mechanics import coefficients_of
-from lsvib.models.mechanism import Mechanism, seated, standing
-from lsvib.models.rigid import RigidBuild
+from lsvib.models.mechanism import seated, standing
 
 
 class ManyDrives:
@@ -38,14 +36,6 @@ class ManyDrives:
     def some(self, entries: np.ndarray) -> "ManyDrives":
         """Return some of the drives, by their indices (j)."""
         return ManyDrives({name: column[entries] for name, column in self.values.items()})
-
-    @property
-    def plain(self) -> np.ndarray:
-        """Whether they are rigid drives that turn (k), without friction against the ground, with constant friction."""
-        more = [self.values[name] != 0 for name in (*DRY, *friction.OF_SPEED) if name in self.values]
-        parts = np.full(self.size, not PART_OF.keys().isdisjoint(self.values))
-        plain: np.ndarray = ~np.any([*more, parts, self.values["input_speed"] == 0], axis=0)
-        return plain
 
     def one(self, entry: int) -> Drive:
         """Return one of the drives."""
@@ -85,15 +75,14 @@ def groups(drives: ManyDrives, entries: np.ndarray) -> Iterator[Group]:
 
     Drives that are in no group must be made exactly, too. Raises ``InputError`` as the model does.
     """
-    parts, plain = drives.one(0).parts, drives.plain[entries]
-    waiting = [members for members in (entries[plain], entries[~plain]) if members.size]
+    parts, waiting = drives.one(0).parts, [entries] if entries.size else []
     while waiting:
         members = waiting.pop()
         try:
             with np.errstate(all="ignore"):  # what overflows or divides by zero is not safe
                 made = _group(drives, members, parts)
         except Divided as apart:
-            waiting += [members[apart.signs == value] for value in np.unique(apart.signs)]
+            waiting += [members[apart.signs == value] for value in np.unique(apart.signs) if not np.isnan(value)]
         except EngineError:
             continue  # each is made exactly, and says so itself
         else:
@@ -102,31 +91,10 @@ def groups(drives: ManyDrives, entries: np.ndarray) -> Iterator[Group]:
 
 def _group(drives: ManyDrives, members: np.ndarray, parts: tuple[str, ...]) -> Group:
     """Return a group; raises ``Divided`` where what is made of the drives is not of one structure."""
-    d, size = drives.doubles(members, np.longdouble), members.size
-    if drives.plain[members[0]]:
-        m, rough = Mechanism(d, parts, d.steady_friction), drives.doubles(members)
-        automaton, other = (
-            _layered(RigidBuild(coefficients_of(one), one).automaton(True, "contact_sign"), size) for one in (d, rough)
-        )
-        safe = _alike(automaton, other)
-    else:
-        modes = modes_of(d, parts)
-        automaton, m = _layered(modes.automaton(), size), modes.m
-        safe = _finite(automaton, size)
+    size, modes = members.size, modes_of(drives.doubles(members, np.longdouble), parts)
+    automaton, m = _layered(modes.automaton(), size), modes.m
     states = (np.broadcast_to(state(m), (size, len(m.states))) for state in (seated, standing))
-    return Group(members, safe, automaton, abs(double(m.steady_normal_force)), *states)
-
-
-def _alike(automaton: Automaton, rough: Automaton) -> np.ndarray:
-    """Whether tables from numbers of 19 digits agree with those from 16 digits to nine (j): then they hold to 1e-12."""
-    pairs = [(getattr(automaton.tables, name), getattr(rough.tables, name)) for name in DIMENSIONS]
-    pairs += zip(automaton.observables.values(), rough.observables.values(), strict=True)
-    size, longer = len(pairs[0][0]), np.finfo(np.longdouble).eps < 1e-18  # which it is not on every machine
-    if not longer or any(one.shape != other.shape for one, other in pairs):
-        return np.zeros(size, dtype=bool)
-    held = [np.abs(one - other) <= 1e-9 * np.abs(one) for one, other in pairs]  # what is not a number is not held
-    safe: np.ndarray = np.logical_and.reduce([x.reshape(size, -1).all(axis=1) for x in held])
-    return safe
+    return Group(members, _finite(automaton, size), automaton, abs(double(m.steady_normal_force)), *states)
 
 
 def _layered(automaton: Automaton, size: int) -> Automaton:

@@ -293,7 +293,7 @@ def _total(terms: Sequence[tuple[Any, Sequence[Any]]]) -> list[Any]:
 
 def plus(*rows: Row) -> tuple[Any, ...]:
     """Return the sum of rows; terms that cancel leave exactly zero."""
-    return tuple(added(*column) for column in zip(*rows, strict=True))
+    return tuple(map(added, *rows))
 
 
 def rate_of(row: Row, field: Sequence[Row]) -> tuple[Any, ...]:

@@ -58,7 +58,8 @@ class Solution:
     """Newton's laws solved in one mode: rows over the state.
 
     ``law``: s, 0 at rest; ``field``: rate of the state; ``frozen``: coordinates that keep a value; ``contact``: n [N];
-    ``normal``: N [N]; ``torque``: τ [N m]; ``held``: friction [N m, N] that holds a body, by its name.
+    ``normal``: N [N]; ``torque``: τ less that of steady sliding [N m]; ``held``: friction [N m, N] that holds a body,
+    by its name.
     """
 
     law: int
@@ -83,7 +84,8 @@ class Mechanism:
     ``speed`` is the row of θ′, ``slip`` that of ω, ``nut_speed`` that of x′, ``deflection`` that of z, ``commanded``
     that of Ω(t), ``away`` that of u′; ``force`` [N] and ``steady_law``, s_0, are those of steady sliding; ``sides``:
     the signs of n at rest, or 0 alone where it is constant; ``compliant``: whether the threads are; ``idle``: whether
-    they have neither friction nor a force to carry, as those of a body behind a spring, so that n is not felt.
+    they have neither friction nor a force to carry, as those of a body behind a spring, so that n is not felt;
+    ``braked``: what the ground brakes in steady sliding, the torque on the screw [N m] and the force on the load [N].
     """
 
     def __init__(self, d: Any, parts: Iterable[str], slowest: Any, command: tuple[Any, Any] | None = None) -> None:
@@ -113,14 +115,16 @@ class Mechanism:
         xi = {s: self._factor(d.steady_friction, s) for s in (1, -1)}
         self.xi_rest = {s: self._factor(d.static_friction, s) for s in xi}
         self.turned = xi[1] * self.reach * d.pitch_radius  # ξ₊ tan λ r_m² [m²]
-        self.force = d.axial_force - self.reach * d.translation_damping * d.input_speed
-        self.force = self.force - self.limits.get("slide", 0) * self.turning
+        self.braked = {  # by the ground in steady sliding
+            "screw": d.support_damping * d.input_speed + self.limits.get("bearing", 0) * self.turning,
+            "load": self.reach * d.translation_damping * d.input_speed + self.limits.get("slide", 0) * self.turning,
+        }
+        self.force = d.axial_force - self.braked["load"]
         self.steady_law = -1 if sign(self.force * self.turning, "axial_force") < 0 else 1
         # torque of the threads, which do not slip where the drive is let go
         self.twist = d.pitch_radius * xi[self.steady_law] * self.force if self.turning else 0
-        torque = d.support_damping * d.input_speed + self.limits.get("bearing", 0) * self.turning + self.twist
-        self.steady_torque = torque
-        self.deflection = self.unit(0, -torque / d.coupling_stiffness)
+        self.steady_torque = self.braked["screw"] + self.twist
+        self.deflection = self.unit(0, -self.steady_torque / d.coupling_stiffness)
         if "motor" in self.parts:
             self.deflection = plus(self.deflection, scaled(self.unit(self.place["motor"]), -1))
         self.speed = self.unit(1, d.input_speed)
@@ -229,29 +233,29 @@ class Mechanism:
         rates = self.rates(bool(direction), held)
         travel = self.constant(0) if "slide" in held else self._travel(rates)
         moved = self._moved()
-        dry = {name: self.constant(-self.limits[name] * way) for name, way in going.items() if way}
-        own = {name: {name: 1} for name in held}
-        torque = plus(self.coupling_torque(rates), scaled(rates["screw"], -d.support_damping))
-        push = plus(self.constant(d.axial_force), scaled(travel, -d.translation_damping))
-        forces: dict[str, Row] = {
-            "screw": plus(torque, dry.get("bearing", self.constant(0))),
-            "load": plus(push, dry.get("slide", self.constant(0))),
+        # Solved for what differs from steady sliding, whose forces are in balance, so that nothing cancels.
+        turned = plus(self.coupling_torque(rates), self.constant(-self.steady_torque))
+        rows = {
+            "screw": [turned, self.constant(self.braked["screw"]), scaled(rates["screw"], -d.support_damping)],
+            "load": [self.constant(self.braked["load"]), scaled(travel, -d.translation_damping)],
         }
+        for name, way in going.items():
+            rows["screw" if name == "bearing" else "load"].append(self.constant(-self.limits[name] * way))
         for part in self.bodies:
-            forces[part] = self._spring(part, rates)
+            rows[part] = [self._spring(part, rates)]
             if BODIES[part].on == "screw":
-                forces["screw"] = plus(forces["screw"], scaled(forces[part], -1))
+                rows["screw"].append(scaled(rows[part][0], -1))
             if part == "motor":
-                given = plus(self.constant(self.steady_torque), scaled(self.coupling_torque(rates), -1))
-                forces[part] = plus(forces[part], given)
+                rows[part].append(scaled(turned, -1))
         left = self._inertias(moved)
-        left["screw"] |= own.get("bearing", {})
-        left["load"] |= own.get("slide", {})
-        equations: list[tuple[Mapping[str, Any], Row]] = [(left[body], forces[body]) for body in left]
-        equations += self._threads(law, mu, rates)
+        left["screw"] |= {name: 1 for name in held if name == "bearing"}
+        left["load"] |= {name: 1 for name in held if name == "slide"}
+        equations: list[tuple[Mapping[str, Any], Row]] = [(left[body], plus(*rows[body])) for body in left]
+        steady = {"contact": self.force, "torque": self.twist}
+        for ties, row in self._threads(law, mu, rates):
+            equations.append((ties, plus(row, *(self.constant(-x * steady.get(name, 0)) for name, x in ties.items()))))
         equations += [({"screw": 1} if name == "bearing" else moved, self.constant(0)) for name in held]
-        found = solved(equations)
-        return self._solution(law, mu, rates, found, held)
+        return self._solution(law, mu, rates, solved(equations), held)
 
     def coupling_torque(self, rates: Mapping[str, Row]) -> Row:
         """Return the row of the torque that the coupling gives to the screw, −k z − d z′."""
@@ -277,11 +281,10 @@ class Mechanism:
         return left
 
     def _spring(self, part: str, rates: Mapping[str, Row]) -> Row:
-        """Return the force of the spring and the damper of a body, which carries a load in steady sliding."""
+        """Return the force of the spring and the damper of a body, less that in steady sliding."""
         body, (_, *names) = BODIES[part], PARTS[part]
         stiffness, damping = (getattr(self.d, name) for name in names)
-        load = {"contact": self.force, "torque": self.twist}.get(body.pushed, 0)
-        stretched, faster = self.unit(self.place[part], load / stiffness), rates[part]
+        stretched, faster = self.unit(self.place[part]), rates[part]
         if body.on == "screw":
             stretched = plus(stretched, scaled(self.unit(self.place[body.on]), -1))
             faster = plus(faster, self.commanded, scaled(rates[body.on], -1))
@@ -311,7 +314,7 @@ class Mechanism:
                 frozen[place + 1] = -d.input_speed if part == "screw" else 0
             field += [self.away if part == "screw" else rates[part], zero if still else found[part]]
         field += [self.constant(1)] if self.command else []
-        contact, torque = found["contact"], found["torque"]
+        contact, torque = plus(found["contact"], self.constant(self.force)), found["torque"]
         if self.compliant:
             normal = self.pressed(rates)
         elif law:
@@ -319,36 +322,43 @@ class Mechanism:
         elif self.idle:  # the bearing holds all
             normal = scaled(contact, d.cos_lead)
         else:
-            normal = plus(scaled(contact, d.cos_lead), scaled(torque, -d.sin_lead / d.pitch_radius))
+            whole = plus(torque, self.constant(self.twist))
+            normal = plus(scaled(contact, d.cos_lead), scaled(whole, -d.sin_lead / d.pitch_radius))
         return Solution(law, tuple(field), frozen, contact, normal, torque, {name: found[name] for name in held})
 
-    def left(self, ways: Ways, direction: int, side: int) -> Row:
-        """Return the static friction [N m] that keeps the threads from slipping in a direction, on a side of n.
+    def left(self, rest: Solution, direction: int, side: int) -> Row:
+        """Return the static friction [N m] that keeps the threads at ``rest`` from slipping, on a side of n.
 
         That is ±(r_m ξ_s n − τ) with s = ± sgn n, and what a bearing takes that turns with the slip: at rest τ and n
         count it to the threads. A slide that moves with it opposes the same motion; one that pushed the other way
         could jam the threads at a larger τ, at which slip is possible, too. Where it takes so much of a load that moves
         along that slip would need more torque than that, rest holds as long as slip cannot begin.
         """
-        rest, law = self.solve(0, 1, ways), direction * side
+        law = direction * side
         if not side:
             static = self._braked(direction, self.holding, self.xi_rest)
             slow = {s: self._factor(self.slowest, s) for s in (1, -1)}
             sliding = self._braked(direction, self.limits, slow)
             most = static if self.same or sign(added(static, -sliding)) >= 0 else sliding
             return plus(scaled(rest.torque, -direction), self.constant(most))
-        threads = plus(scaled(rest.contact, self.d.pitch_radius * self.xi_rest[law]), scaled(rest.torque, -1))
+        torque = plus(rest.torque, self.constant(self.twist))
+        threads = plus(scaled(rest.contact, self.d.pitch_radius * self.xi_rest[law]), scaled(torque, -1))
         bearing = self.holding["bearing"] if "bearing" in self.tied else 0
         if self.compliant:  # n = N / cos λ + tan λ τ / r_m
             bearing = bearing * (1 - self.xi_rest[law] * self.d.tan_lead)
         return plus(scaled(threads, direction), self.constant(bearing))
 
     def _braked(self, direction: int, dry: Mapping[str, Any], factors: Mapping[int, Any]) -> Any:
-        """Return the torque [N m] of threads, slide and bearing that let go together; ξ_s by law in ``factors``."""
-        load = self.d.axial_force - (dry["slide"] * direction if "slide" in self.tied else 0)
-        law = (sign(load, "axial_force") or -direction) * direction
-        threads = self.d.pitch_radius * load * factors[law] * direction
-        return threads + dry["bearing"] if "bearing" in self.tied else threads
+        """Return the torque [N m] of threads, slide and bearing that let go together, beyond that of steady sliding.
+
+        ``factors``: ξ_s by law.
+        """
+        held = dry["slide"] * direction if "slide" in self.tied else 0
+        lever = (
+            self.d.pitch_radius * factors[(sign(self.d.axial_force - held, "axial_force") or -direction) * direction]
+        )
+        threads = lever * (self.braked["load"] - held) + added(lever * self.force, -self.twist)
+        return threads * direction + (dry["bearing"] if "bearing" in self.tied else 0)
 
     def released(self, direction: int, side: int) -> int:
         """Return the sign of n with which slip begins: the side of rest; without a force the threads resist."""

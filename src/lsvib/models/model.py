@@ -59,8 +59,7 @@ class Model:
 
     A start gives u [rad] and w [rad/s], the keys ``required``, and may give those of ``optional``, one for each of the
     further coordinates among ``states``. ``modes`` and ``events`` name the codes of datasets. ``terms`` are the
-    parameters that a scene may leave out (then they must be zero), ``options`` the other words that its ``physics`` may
-    hold, ``outputs`` its observables.
+    parameters that a scene may leave out (then they must be zero), ``outputs`` its observables.
 
     ``constraint`` is the equation of the kinematic constraint in words; ``thresholds`` are the names of those that can
     be solved for a parameter (of two states there is no flutter), ``curves`` those of the exact curves in its charts; a
@@ -78,7 +77,6 @@ class Model:
         self.optional = tuple(short.get(name, name) for name in self.states[len(self.required) :])
         dampers = (PARTS[part][-1] for part in parts)
         self.terms: tuple[str, ...] = ("support_damping", "translation_damping", "axial_force", *dampers, *dry)
-        self.options = () if parts else ("rest",)
         self.outputs: tuple[str, ...] = ("normal_force", "coupling_torque", "coupling_deflection", "screw_speed")
         self.outputs += () if self.rigid else ("axial_contact_force", "nut_speed")
         self.equations = ", ".join(_EQUATIONS[part] for part in parts if part in _EQUATIONS) or "eqs 8.13-8.17"
@@ -97,27 +95,6 @@ class Model:
         codes = {name.upper(): code for code, name in enumerate(names)}
         return cast(type[IntEnum], IntEnum("MotionMode", codes))
 
-    def build(
-        self, drive: Drive, physics: tuple[str, ...], resume: Resume, command: Command | None = None
-    ) -> "Automaton":
-        """Return the automaton of a drive; ``physics``: the terms and options that its scene has."""
-        if self.rigid and drive.input_speed and not command:
-            from lsvib.models.rigid import rigid_automaton
-
-            return rigid_automaton(drive, rest="rest" in physics, resume=resume)
-        if self.options and "rest" not in physics:
-            why = (
-                "whose commanded speed changes" if command else "that is let go, or with friction of slide or bearing,"
-            )
-            raise InputError(f"physics leaves out rest, which a drive {why} has; list rest.")
-        from lsvib.models.law_modes import automaton_of_parts, automaton_under_command
-
-        if resume != "contact_sign" and not self.rigid:
-            raise InputError(f"resume = {resume!r} is known of the rigid drive only; others know contact_sign.")
-        if command:
-            return automaton_under_command(drive, command, resume)
-        return automaton_of_parts(drive, resume)
-
     def start(self, drive: Drive, values: Mapping[str, float]) -> np.ndarray:
         """Return the state of a start; what is not given is as in steady sliding."""
         state = seated_state(drive, values["u"], values["w"]) if self.compliant else np.zeros(len(self.states))
@@ -129,8 +106,8 @@ class Model:
         return dict(zip((*self.required, *self.optional), standing_state(drive).tolist(), strict=True))
 
     def physics_of(self, drive: Drive) -> tuple[str, ...]:
-        """Return the words of all that a drive has: its terms that are not zero, and the options."""
-        return (*(term for term in self.terms if getattr(drive, term) != 0), *self.options)
+        """Return the words of all that a drive has: its terms that are not zero."""
+        return tuple(term for term in self.terms if getattr(drive, term) != 0)
 
     def initial_state(self, drive: Drive, values: Mapping[str, float]) -> np.ndarray:
         """Return the state of a start; ``InputError`` if a required key is missing or a key is not known."""
@@ -155,10 +132,17 @@ def model_of(drive: Drive) -> Model:
     return _of_parts(drive.parts, tuple(name for name in DRY if getattr(drive, name)))
 
 
-def automaton_of(drive: Drive, resume: Resume = "contact_sign") -> "Automaton":
-    """Return the automaton of a drive with all that it has."""
-    model = model_of(drive)
-    return model.build(drive, model.physics_of(drive), resume)
+def automaton_of(drive: Drive, resume: Resume = "contact_sign", command: Command | None = None) -> "Automaton":
+    """Return the automaton of a drive, also under a command.
+
+    Raises ``InputError`` for a rule of resuming that is known of the rigid drive only, and as
+    :func:`lsvib.models.law_modes.automaton_of_parts` does.
+    """
+    from lsvib.models.law_modes import automaton_of_parts, automaton_under_command
+
+    if resume != "contact_sign" and not drive.rigid:
+        raise InputError(f"resume = {resume!r} is known of the rigid drive only; others know contact_sign.")
+    return automaton_under_command(drive, command, resume) if command else automaton_of_parts(drive, resume)
 
 
 def coordinates() -> dict[str, str]:

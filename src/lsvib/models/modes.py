@@ -11,7 +11,8 @@ solves; all else follows from the signs of speeds and forces.
   where it is admissible, dQ < 0. Elsewhere, and on arriving at Q = 0, the threads *seize*: ω jumps to zero by an impact
   with an impulse of the sign of ω. After it, slip under law −1 against ω starts at once if it is admissible and
   accelerates away from rest; otherwise the threads rest, or, beyond the ends of static friction, slip under law −1
-  (``resume="contact_sign"`` of the rigid drive).
+  (``resume="contact_sign"``, the limit of a compliant contact). With ``resume="at_once"``, the chapter's reading of the
+  rigid drive, the sign of Q alone decides; then seizures can accumulate at ω = 0, Q = 0, beyond which the screw rests.
 * Compliant threads: nothing is imposed. N is a function of the state, so a seizure is the fast growth of N under law
   s = +1, which stops the screw, and the motion after it follows from the same equations. N changes at rest, too, where
   the load moves on.
@@ -19,6 +20,16 @@ solves; all else follows from the signs of speeds and forces.
 Static friction above that of slow sliding leaves several modes consistent. Then all that stands is held, and a contact
 that needs more friction than it has lets go. So it does in the limit of friction that falls ever more steeply from
 rest. Where several need more, that limit is not one mode for sure, and the one with most at rest is taken.
+
+A drive without parts has two states, (u, w), and its own fast flow. With Γ_s and C_s by the law, ξ_0 that of steady
+sliding and R̃ = R − r_m tan λ c_x Ω (8.13–8.17),
+
+    Γ_s u″ + C_s u′ + k u = r_m (ξ_0 − ξ_s) R̃,      Q = r_m tan λ [m k u + (m c − I c_x) u′] + Γ_0 R̃.
+
+With R = 0 both T_r and Q are zero in one place of ω = 0, the *corner*. Seizures from one side of it leave the coupling
+at deflections z_{n+1} = (c − I c_x / m) z_n² / (2 Γ₋ |Ω|) + O(z_n³), so that infinitely many accumulate in the corner
+in finite time; after three or four the next one lies below the digits of a double. The screw rests there for no time,
+and is released to the other side.
 """
 
 import math
@@ -31,8 +42,8 @@ from typing import Any
 import numpy as np
 
 from lsvib.engine.automaton import SHORT_STAY, Automaton, Branch, Guard, Mode, Surface, Transition, assemble, scaled
-from lsvib.engine.exact.arithmetic import Row, double, place_of_largest, sign
-from lsvib.engine.exact.modal_form import linear_mode
+from lsvib.engine.exact.arithmetic import Row, added, double, place_of_largest, sign
+from lsvib.engine.exact.modal_form import PlanarMode, linear_mode
 from lsvib.engine.exact.taylor_form import still_mode
 from lsvib.engine.kernels.layout import Test
 from lsvib.errors import InputError
@@ -71,8 +82,36 @@ class Modes:
         self.surfaces: dict[str, Surface] = {}
         self.transitions: dict[str, Transition] = {}
         self._flows: dict[tuple[int, int, Ways], Any] = {}
-        self._solve, self._left = cache(m.solve), cache(m.left)
+        self._solve, self._left = cache(m.solve), cache(self._friction_left)
         self._carries, self._agrees = cache(self._signed), cache(self._stays)
+        self._changes = cache(self._gauge_and_rates)
+        self.planar = len(m.states) == 2 and not self.in_series
+        self.corner = self._corner() if self.planar and m.turning else None
+
+    def _corner(self) -> tuple[Row, ...] | None:
+        """Return the reset to where rest ends if a double cannot tell its other end, or Q = 0, from there; else None.
+
+        Events accumulate there when what is left of them lies below rounding; rest then ends as soon as it begins, and
+        the release begins in the very corner: beside it, on the wrong side by a last place, the screw would stop again
+        at once, and so for ever.
+        """
+        (end, other), gauge = (self._left((), d, 0) for d in self.both), self.gauge(self.both[0], ())
+        place, speed = -end[-1] / end[0], self.m.constant(-self.m.d.input_speed)
+        apart = (end[-1] / end[0], other[-1] / end[0]), (place, gauge[1] * speed[-1] / gauge[0], gauge[-1] / gauge[0])
+        sizes = (abs(added(*terms, least=0)) for terms in apart)
+        near = any(sign(10**13 * x - abs(place)) <= 0 for x in sizes)  # a tenth of it is what rounding may make of u
+        return (self.m.constant(place), speed) if near else None
+
+    def _contracts(self) -> bool:
+        """Whether the motion enlarges no area (see ``Automaton``): Γ₊ > 0, both C_s > 0 or zero, one friction for all.
+
+        Slip changes an area at the rate −C_s / Γ_s. Both laws agree on Q = 0. Where θ′ passes zero, friction reverses:
+        the acceleration forward is below that backward, so that areas are squeezed. Static friction above that of
+        sliding makes motions jump where rest begins.
+        """
+        if not self.planar or self.paradox or not (self.m.turning and self.m.same):
+            return False
+        return {sign(-self.solution(key).field[1][1], "support_damping") for key in self.slips} in ({0}, {1})
 
     def _speeds_without_paradox(self) -> tuple[Any, Any]:
         inertia, mass = self.m.effective()
@@ -131,9 +170,10 @@ class Modes:
         modes = {self.name(key): self._mode(key, guards[key]) for key in keys}
         seen = {self.name(key): self._observed(self.solution(key)) for key in keys}
         parts = self._parts(modes, seen)
-        scales = [scale for mode in modes.values() for scale in mode.flow.time_scales] if not m.compliant else [0.0]
+        moving = [self.name(key) for key in (self.slips if self.planar else keys)]
+        scales = [0.0] if m.compliant else [x for name in moving for x in modes[name].flow.time_scales]
         facts: dict[str, Any] = {"passive": not m.compliant, "sprag_kinds": () if m.compliant else (Event.SEIZURE,)}
-        facts["stands"] = not m.turning
+        facts |= {"stands": not m.turning, "contracts": self._contracts()}
         if m.compliant and self.paradox:  # motions sprag under law s = +1
             facts["sprag_codes"] = tuple(self.codes[self.name(key)] for key in self.slips if key[0] * key[1] > 0)
         return dict(
@@ -154,14 +194,18 @@ class Modes:
         known = self._known(key)
         if known not in self._flows:
             self._flows[known] = self._flow(self.solution(key))
-        return Mode(self.codes[self.name(key)], self._flows[known], guards)
+        beyond = "rest" if self.corner or (self.planar and self.seizes and key[0]) else None
+        return Mode(self.codes[self.name(key)], self._flows[known], guards, beyond)
 
     def _flow(self, found: Solution) -> Any:
         """Return the flow of a mode; with a clock its rates of zero are a chain, which has no modal form."""
         if self.m.command or self.in_series:
             zero = self.m.constant(0)
             return still_mode([zero if i in found.frozen else row for i, row in enumerate(found.field)])
-        return linear_mode(found.field, self.m.sizes, found.frozen, self.m.dampers[-1])
+        if not self.planar:
+            return linear_mode(found.field, self.m.sizes, found.frozen, self.m.dampers[-1])
+        stiffness, damping, force = found.field[1]
+        return PlanarMode.of(1, -damping, -stiffness, force)
 
     def _parts(self, modes: dict[str, Mode], seen: dict[str, dict[str, Row]]) -> dict[str, dict[str, Row]]:
         """Return the rows of the observables that count η times, by name and mode: none with constant friction."""
@@ -212,7 +256,8 @@ class Modes:
 
     def _rest_guards(self, key: Key) -> tuple[Guard, ...]:
         (_, side, ways), here, m, guards = key, self.name(key), self.m, []
-        for d in self.both:
+        # With two states the turning motor alone moves the coupling, and so only to the end that is ahead.
+        for d in self.both[:1] if self.planar and m.turning else self.both:
             q = -d if self.seizes else m.released(d, side)
             transition = self._release(key, "slip", d, (d, q, ways))
             left = self._left(ways, d, side)
@@ -229,13 +274,18 @@ class Modes:
 
         Where friction falls as it lets go, all forces jump, so that others may let go as well, or n turn over.
         """
-        (d, _, ways), jumps = key, not (self.m.same or self.seizes)
+        (d, _, ways), jumps = key, not (self.m.same or self.seizes or self.corner)
         where = f"{DIRECTIONS.get(d, 'rest')}{self._suffix(ways)}" if jumps else self.name(key)
         name = f"{last}_release_{DIRECTIONS[onward]}_{where}"
         if name not in self.transitions:
             branches = self._outcomes(d, ways, last, onward) if jumps else [self._branch(alone, last, onward)]
-            self.transitions[name] = Transition(tuple(branches), reset=self.m.reset(d == 0, self._held_in(ways)))
+            reset = self.corner or self.m.reset(d == 0, self._held_in(ways))
+            self.transitions[name] = Transition(tuple(branches), reset=reset)
         return name
+
+    def _friction_left(self, ways: Ways, d: int, side: int) -> Row:
+        """Static friction [N m] that is left to keep the threads from slipping in a direction."""
+        return self.m.left(self.solution((0, side, ways)), d, side)
 
     def _at_rest(self, ways: Ways) -> Row:
         """Return the row whose sign is the side of rest."""
@@ -335,14 +385,15 @@ class Modes:
 
         On n = 0 the first derivative that is not zero is the same under both laws, with any coefficient.
         """
-        row, field = self.gauge(d, ways), self.solution((d, -d, ways)).field
-        rate = rate_of(row, field)
-        last = Test.POSITIVE if q > 0 else Test.NOT_NEGATIVE
-        return (
-            (scaled(row, q), Test.LEADS),
-            (scaled(rate, q), Test.LEADS),
-            (scaled(rate_of(rate, field), q), last),
-        )
+        rows = [scaled(row, q) for row in self._changes(*self._known((d, -d, ways)))]
+        return tuple(zip(rows, (Test.LEADS, Test.LEADS, Test.POSITIVE if q > 0 else Test.NOT_NEGATIVE), strict=True))
+
+    def _gauge_and_rates(self, *known: Any) -> tuple[Row, Row, Row]:
+        """The gauge of n with its first two rates, under law −1."""
+        found = self._solve(*known)
+        row = found.normal if self.m.compliant else found.contact
+        rate = rate_of(row, found.field)
+        return row, rate, rate_of(rate, found.field)
 
     def _stays(self, name: str, key: Key) -> tuple[Side, ...]:
         """Conditions under which the threads (``slip``) or a body that stood stay, or begin to move, as a mode says."""

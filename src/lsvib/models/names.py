@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from enum import IntEnum
+from functools import cache
 from itertools import product
 from typing import Literal, get_args
 
@@ -37,10 +38,20 @@ DIRECTIONS = {1: "forward", -1: "backward"}  # of slip, in the names of modes
 SIGNS = {1: "positive", -1: "negative"}  # of the contact force
 HOW = {**DIRECTIONS, 0: "held"}
 HOLDS = {"slide": "nut", "bearing": "screw"}  # what a dry friction holds, in the names of modes
-Resume = Literal["contact_sign", "at_once"]  # how motion goes on after a seizure: see lsvib.models.rigid
+Resume = Literal["contact_sign", "at_once"]  # how motion goes on after a seizure: see lsvib.models.modes
 RULES: tuple[Resume, ...] = get_args(Resume)  # the limit of a compliant contact, and the chapter's reading
 Ways = tuple[int, ...]  # of the bodies that slide on their own, see Mechanism.own: 1, −1, or 0 for one that is held
 Key = tuple[int, int, Ways]  # of a mode: direction of slip (0: rest), sign of n (0 where it does not matter), ways
+
+
+class MotionMode(IntEnum):
+    """Modes of a drive without parts; the second word of a slip mode is the sign of the contact force."""
+
+    SLIP_FORWARD_POSITIVE = 0
+    SLIP_FORWARD_NEGATIVE = 1
+    SLIP_BACKWARD_POSITIVE = 2
+    SLIP_BACKWARD_NEGATIVE = 3
+    REST = 4
 
 
 class Event(IntEnum):
@@ -83,6 +94,7 @@ def mode_names(own: tuple[str, ...], sides: tuple[int, ...]) -> Iterator[str]:
         yield from (mode_name((*mode, ways), own) for mode in plain)
 
 
+@cache
 def mode_name(key: Key, own: tuple[str, ...]) -> str:
     """Return the name of a mode."""
     d, q, ways = key

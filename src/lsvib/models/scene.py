@@ -24,7 +24,7 @@ class Scene(BaseModel):
     ``drive``: its parameters. ``physics``: the terms that the scene has – a damping or force that is listed nowhere
     must be zero in the drive, and without ``rest`` the motion of a rigid drive is taken never to reach θ′ = 0, so
     reversal, rest and seizure are left out; by default the non-zero terms and rest. ``resume``: how motion goes on
-    after a seizure, see :mod:`lsvib.models.rigid`. ``start``: u [rad], w [rad/s], and what else the model has; or
+    after a seizure, see :mod:`lsvib.models.modes`. ``start``: u [rad], w [rad/s], and what else the model has; or
     ``rest``: the screw stands with the coupling relaxed as the motor begins to turn. ``command``: the commanded speed
     over time, :class:`lsvib.models.command.Command`, in place of the constant ``input_speed``, from whose steady
     sliding deviations are measured still. ``duration`` [s]. ``samples``: number of equidistant output times, both ends
@@ -64,7 +64,7 @@ class Scene(BaseModel):
         """Check what couples two keys: start, words of physics and outputs, no term that physics omits."""
         definition = self.definition
         definition.initial_state(self.drive, self.start)
-        for key, words in (("physics", (*definition.terms, *definition.options)), ("outputs", definition.outputs)):
+        for key, words in (("physics", definition.terms), ("outputs", definition.outputs)):
             for word in getattr(self, key) or ():
                 if word not in words:
                     raise InputError(f"{key} has the word {word!r}; this drive knows {', '.join(words)}.")

@@ -6,6 +6,7 @@ and power series (``flint.arb_series``), which carry derivatives. It decides by 
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from functools import reduce
 from threading import RLock
 from typing import Any
 
@@ -97,18 +98,18 @@ def double(number: Number) -> Any:
 
 def doubles(numbers: Sequence[Number], shape: tuple[int, ...]) -> np.ndarray:
     """Return numbers, in a flat list, as a table of doubles; of arrays one for each entry, along the first axis."""
-    if not any(isinstance(number, np.ndarray) for number in numbers):
+    if np.ndarray not in map(type, numbers):
         return np.array([*map(float, numbers)]).reshape(shape)
     columns = np.broadcast_arrays(*map(double, numbers))
     return np.stack(columns, axis=-1).reshape(columns[0].size, *shape)
 
 
-def added(*terms: Number) -> Number:
+def added(*terms: Number, least: float = 1e13) -> Number:
     """Return the sum of terms; those that cancel leave exactly zero, for tan λ is transcendental.
 
-    A sum of arrays that has lost more digits than 1e-13 of it allows is not a number; one of at most 256 roundings,
-    which terms that are sums bring with them, is zero. Raises ``EngineError`` if too few digits are left of a ball that
-    holds zero.
+    A sum of arrays of which less than ``least`` roundings is left has lost digits that count, and is not a number; one
+    of at most 256 roundings, which terms that are sums bring with them, is zero. Raises ``EngineError`` if too few
+    digits are left of a ball that holds zero.
     """
     there = [term for term in terms if term.__class__ is not int or term]
     if len(there) < 2:
@@ -121,9 +122,10 @@ def added(*terms: Number) -> Number:
             sign(total)  # too few digits are left to show that it is zero
         return arb(0)
     if isinstance(total, np.ndarray):
-        size = np.maximum.reduce(np.broadcast_arrays(*map(np.abs, there)))
-        left, eps = np.abs(total), np.finfo(total.dtype).eps
-        return np.where(left <= 256 * eps * size, 0, np.where(left < 1e13 * eps * size, np.nan, total))
+        rounding, left = reduce(np.maximum, map(np.abs, there)) * np.finfo(total.dtype).eps, np.abs(total)
+        lost = left < least * rounding
+        if lost.any():
+            total = np.where(lost, np.where(left <= 256 * rounding, 0, np.nan), total)
     return total
 
 

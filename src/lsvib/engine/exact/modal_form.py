@@ -20,7 +20,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 from flint import arb, arb_mat
 
-from lsvib.engine.exact.arithmetic import Number, Row, alike, ball, doubles, many_digits, real_rates, root, sign
+from lsvib.engine.exact.arithmetic import Number, Row, added, alike, ball, doubles, many_digits, real_rates, root, sign
 from lsvib.engine.exact.field import WORST_CONDITION, Field, Subspace, amplification, subspaces
 from lsvib.engine.exact.modal_arrays import ModalModes, modal_modes
 from lsvib.engine.kernels import layout
@@ -71,6 +71,11 @@ class PlanarMode:
     exact: tuple[Number, Number, Number] | None = None
     condition: ClassVar[float] = 1.0
 
+    @property
+    def time_scales(self) -> list[Any]:
+        """Its time scale [s], of many drives an array."""
+        return [self.row[..., layout.TIME_SCALE]]
+
     @classmethod
     @many_digits()
     def of(cls, inertia: Number, damping: Number, stiffness: Number, force: Number) -> "PlanarMode":
@@ -83,9 +88,8 @@ class PlanarMode:
         row: list[Any] = [0.0] * layout.COUNT
         row[layout.A0], row[layout.A1], row[layout.B] = square, damping / inertia, force / inertia
         row[layout.ALPHA] = alpha = damping / inertia / 2
-        discriminant = (damping * damping - 4 * inertia * stiffness) / (4 * inertia * inertia)
-        if isinstance(discriminant, arb):
-            discriminant = discriminant.mid()  # rates that no digit tells apart are one
+        # rates that no digit tells apart are one
+        discriminant = added(damping * damping, -4 * inertia * stiffness) / (4 * inertia * inertia)
         if (real := sign(discriminant, "a damping")) < 0:
             row[layout.BETA] = root(-discriminant)
         else:
@@ -108,7 +112,8 @@ class PlanarMode:
         if self.exact is None:
             return 0, 0, 0
         (place, rate, constant), (equilibrium, slow, fast) = row, self.exact
-        return place * equilibrium + constant, place + rate * slow, place + rate * fast
+        pairs = (place * equilibrium, constant), (place, rate * slow), (place, rate * fast)
+        return tuple(added(*pair, least=1e14) for pair in pairs)  # of terms that have lost digits themselves
 
 
 def modal_mode(field: Field) -> ModalMode:
