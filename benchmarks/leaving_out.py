@@ -96,7 +96,7 @@ def without_rest(drive: Drive) -> Automaton:
 
 def generalised(automaton: Automaton, input_speed: float) -> Automaton:
     """Return a rigid automaton as one of four states, of which the last two stay zero, on the modal engine."""
-    tables, rest = automaton.tables, automaton.rest_codes
+    tables, rest = automaton.tables, automaton.marks["rest"]
     modes = []
     for row, code in zip(tables.flow, automaton.codes, strict=True):
         acceleration = (-row[layout.A0], -row[layout.A1], 0, 0, row[layout.B])

@@ -100,7 +100,7 @@ def residual(motion: Motion, terms: Terms) -> Balance:
         work += weights @ powers[1:]
         # The clock holds the end of the arc to its last place; so long the largest power may act too much.
         rounding += weights @ size[1:] + np.abs(powers.sum(axis=1)).max() * abs(end)
-    seized = np.isin(motion.kind, motion.automaton.sprag_kinds)
+    seized = motion.automaton.marked(motion.kind, "impact")
     lost = sum(_value(terms.seized, x)[0] ** 2 for x in ends[:-1][seized])
     largest = max(*stored, lost, *np.abs(work))
     if not largest > 0.0:
@@ -184,7 +184,7 @@ def terms(automaton: Automaton, drive: Drive, physics: tuple[str, ...] = ()) -> 
         stored.append((0.5 * d.contact_stiffness, cos * unit[2]))
         lost.append((d.contact_damping, cos * unit[3]))
         sliding = rubbing * speed + d.friction_coefficient * sin * unit[3]
-        rest = np.isin(automaton.codes, automaton.rest_codes)
+        rest = automaton.marked(automaton.codes, "rest")
         friction = (-d.coupling_stiffness / d.pitch_radius * spring + sin * normal) / cos
         holding[rest] = friction[rest]
     elif d.parts == ("support",):

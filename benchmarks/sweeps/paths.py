@@ -48,7 +48,7 @@ def engine_path(motion: Motion, case: Case) -> Record:
         kinds = [model.events(event).name.lower() for event in motion.kind[counted]]
     else:
         names = [model.modes(int(motion.automaton.codes[mode])).name.lower() for mode in motion.mode[counted]]
-        seized = np.isin(motion.kind[counted], motion.automaton.sprag_kinds)
+        seized = motion.automaton.marked(motion.kind[counted], "impact")
         kinds = [by_seizure(*pair) for pair in zip(names, seized, strict=True)]
     return _shortened(case, kinds, motion.time[counted], motion.end_state, size, motion.time.size < MOST_EVENTS)
 

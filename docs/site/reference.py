@@ -42,6 +42,7 @@ MODULES = {
     "Cycles": [
         "lsvib.dynamics.attractor",
         "lsvib.dynamics.cycles",
+        "lsvib.dynamics.drive_cycles",
         "lsvib.dynamics.continuation",
         "lsvib.dynamics.impulses",
         "lsvib.datasets.cycles",
@@ -80,6 +81,8 @@ def _entry(name: str) -> str:
     if not isinstance(thing, type):
         return f".. autofunction:: lsvib.{name}\n"
     options = {"members": "", "undoc-members": "", "show-inheritance": ""}
+    if name == "Cycle":  # what cycles of any system are, too
+        options["inherited-members"] = ""
     if name.endswith("Drive"):  # what all drives can, and nothing of pydantic
         options = {"members": "", "inherited-members": "BaseModel", "exclude-members": "model_config, __init__"}
     if issubclass(thing, Exception):

@@ -12,7 +12,7 @@ from .datasets.cycles import Cycles as Cycles
 from .dynamics.attractor import Attractor as Attractor
 from .dynamics.attractor import SteadyState as SteadyState
 from .dynamics.continuation import CycleBranch as CycleBranch
-from .dynamics.cycles import Cycle as Cycle
+from .dynamics.drive_cycles import Cycle as Cycle
 from .errors import DivergenceError as DivergenceError
 from .errors import EngineError as EngineError
 from .errors import InputError as InputError

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from lsvib.datasets.cycles import Cycles
     from lsvib.dynamics.attractor import SteadyState
     from lsvib.dynamics.continuation import CycleBranch
-    from lsvib.dynamics.cycles import Cycle
+    from lsvib.dynamics.drive_cycles import Cycle
     from lsvib.engine.automaton import Automaton
     from lsvib.models.description import Description
 

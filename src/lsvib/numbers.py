@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from lsvib.errors import InputError
@@ -103,3 +103,22 @@ def start(name: str, value: Any) -> float:
             f"-{LARGEST_START:g} < {name.split()[-1]} < {LARGEST_START:g}."
         )
     return result
+
+
+_EXAMPLES = {
+    "drive": ", such as mass: 11.0",
+    "start": ", such as u: 0.1 and w: 0.0, and is not rest",
+    "command": ", such as times: [0, 1] and speeds: [0, 40]",
+}
+
+
+def names_and_values(name: str, given: Any) -> dict[str, Any]:
+    """Return a mapping of names as a dictionary, None as an empty one; ``InputError`` for anything else."""
+    if given is None:
+        return {}
+    if not isinstance(given, Mapping):
+        raise InputError(f"{name} = {shown(given)} does not hold names and values{_EXAMPLES.get(name, '')}.")
+    for key in given:
+        if not isinstance(key, str):
+            raise InputError(f"{shown(key)} is not a known key of {name}: keys are names.")
+    return dict(given)

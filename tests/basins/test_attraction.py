@@ -10,7 +10,7 @@ from references.known import BASINS, PARADOX
 
 import lsvib
 from lsvib.basins.grid import Axis, Grid
-from lsvib.basins.mapper import mapper
+from lsvib.datasets.map import mapper
 from lsvib.dynamics.attractor import Attractor, steady_state
 from lsvib.engine.motion import follow
 from lsvib.models.names import Event
@@ -51,8 +51,7 @@ def test_time_to_steady_sliding(mappers):
     """In the mode of steady sliding |w + α u|² + β² u² falls as e^{−2αt}; the ellipse touches Q = 0."""
     mapped = mappers(PARADOX)
     found = mapped.cells(Grid(Axis("u", -0.03, 0.02, 9), Axis("w", -5, 5, 7)))
-    row = mapped.automaton.tables.flow[1]
-    alpha, beta = row[3], row[4]
+    alpha, beta = mapped.automaton.tables.flow[1][3:5]
     q_u, q_w, q_0 = mapped.automaton.tables.surfaces[0]
     radius = abs(q_0) / np.hypot(q_w, (q_u - alpha * q_w) / beta)
     checked = 0
@@ -68,11 +67,11 @@ def test_time_to_steady_sliding(mappers):
 
 @pytest.mark.parametrize("model", ["threads", "support", "nut"])
 def test_labels_of_planar_slices_against_the_return_map(model):
-    mapped = mapper(DRIVES[model](PARADOX), model)
+    mapped = mapper(DRIVES[model](PARADOX))
     grid = Grid(Axis("u", -0.05, 0.05, 6), Axis("w", -15, 15, 5))
     found = mapped.cells(grid, quantities=("label", "time", "seizures", "first_event"))
     for (i, j), label in np.ndenumerate(found["label"]):
-        state = mapped.definition.initial_state(mapped.drive, {"u": grid.x.centres()[j], "w": grid.y.centres()[i]})
+        state = mapped.starts.state({"u": grid.x.centres()[j], "w": grid.y.centres()[i]})
         assert steady_state(mapped.automaton, state).label == label
     assert Attractor.UNRESOLVED not in found["label"]
     assert np.isfinite(found["time"]).all()

@@ -21,7 +21,7 @@ from lsvib import Drive
 from lsvib.basins.boundary import basin
 from lsvib.basins.curves import Arc, Window, state_on
 from lsvib.basins.grid import Axis, Grid
-from lsvib.basins.mapper import mapper
+from lsvib.datasets.map import mapper
 from lsvib.dynamics.attractor import Attractor, steady_state
 from lsvib.errors import InputError
 from lsvib.models.drive import PART_OF

@@ -6,8 +6,8 @@ from references.sizes import sizes
 
 import lsvib
 from lsvib.basins.grid import Axis, Grid
-from lsvib.basins.mapper import mapper
 from lsvib.basins.slice_mapper import StateMapper
+from lsvib.datasets.map import mapper
 from lsvib.dynamics.attractor import Attractor
 
 SEAT = {"stribeck_rise": 0.0203, "stribeck_speed": 0.013704, "friction_slope": -0.08588598956673593}
@@ -36,7 +36,7 @@ def differences(name, count, cells):
     keys, ends = LAWS[name]
     drive = lsvib.Drive(**keys)
     mapped = mapper(drive)
-    rule = StateMapper(drive, mapped.physics)
+    rule = StateMapper(mapped.automaton, mapped.starts)
     speed = abs(drive.input_speed)
     angle = 8 * speed * (drive.screw_inertia / drive.coupling_stiffness) ** 0.5
     grid = Grid(Axis("u", -angle, angle, count), Axis("w", -6 * speed, 6 * speed, count))
@@ -72,11 +72,10 @@ def test_a_start_at_rest_and_cells_one_by_one():
 
 
 def test_times_are_those_of_the_motions():
-    drive = lsvib.Drive(**LAWS["seat"][0])
-    mapped = mapper(drive)
+    mapped = mapper(lsvib.Drive(**LAWS["seat"][0]))
     grid = Grid(Axis("u", -0.03, 0.03, 3), Axis("w", -20, 20, 2))
     found = mapped.cells(grid, quantities=("label", "time", "doubt"))
-    rule = StateMapper(drive, mapped.physics).cells(grid, quantities=("label", "time", "doubt"))
+    rule = StateMapper(mapped.automaton, mapped.starts).cells(grid, quantities=("label", "time", "doubt"))
     for name, array in found.items():
         assert array.tobytes() == rule[name].tobytes()
     assert Attractor.UNRESOLVED not in found["label"]

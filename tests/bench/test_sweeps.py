@@ -193,7 +193,7 @@ def test_the_balance_closes_and_notices_a_wrong_parameter(name):
     assert found.rounding <= 1e-10
     wrong = drive.replace(friction_coefficient=drive.friction_coefficient * (1 + 1e-6))
     assert balance(motion, wrong, physics).residual > 1e-8
-    seizes = np.isin(motion.kind, motion.automaton.sprag_kinds).any()
+    seizes = motion.automaton.marked(motion.kind, "impact").any()
     assert seizes == ("seizing" in name or name == "sprag-slip")
     if seizes:  # without what the impacts take out it is open by a good part of the energy
         lossless = terms(motion.automaton, drive, physics)._replace(seized=np.zeros(motion.start_state.size + 1))

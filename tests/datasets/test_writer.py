@@ -158,9 +158,9 @@ SPAN = {"start": -1.0, "stop": 1.0, "count": 3}
 
 
 def test_the_axes_do_not_depend_on_the_order_in_which_they_are_written():
-    one, other = Grid.of({"u": SPAN, "w": SPAN}), Grid.of({"w": SPAN, "u": SPAN})
+    one, other = (Grid.of(spans, ("u", "w")) for spans in ({"u": SPAN, "w": SPAN}, {"w": SPAN, "u": SPAN}))
     assert one == other
     assert (one.x.coordinate, one.y.coordinate) == ("u", "w")
-    slice_of_threads = Grid.of({"e": 0.0, "w": SPAN, "u": 0.5, "v": SPAN})
+    slice_of_threads = Grid.of({"e": 0.0, "w": SPAN, "u": 0.5, "v": SPAN}, ("u", "w", "e", "v"))
     assert (slice_of_threads.x.coordinate, slice_of_threads.y.coordinate) == ("w", "v")
     assert slice_of_threads.fixed == {"e": 0.0, "u": 0.5}

@@ -24,7 +24,7 @@ from references.known import NEGATIVE_DAMPING, PARADOX
 from benchmarks.leaving_out import without_rest
 from lsvib import Drive
 from lsvib.dynamics.attractor import Attractor, Doubt, SteadyState, orbit_extremes, steady_state
-from lsvib.dynamics.energy import observable_integrals
+from lsvib.dynamics.cycles import observable_integrals
 from lsvib.dynamics.kernels import attractor as rule
 from lsvib.engine.kernels import flow_planar, layout
 from lsvib.engine.motion import Budget, Motion, follow

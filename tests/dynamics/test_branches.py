@@ -67,8 +67,7 @@ def test_equations_have_their_derivatives(k):
     cycle = next(one for one in cycles if period is None or one.period == pytest.approx(period, rel=1e-6))
 
     def build(value):
-        drive = cycle.drive.replace(**{parameter: value})
-        return drive, drive.automaton()
+        return cycle.drive.replace(**{parameter: value}).automaton()
 
     value = getattr(cycle.drive, parameter)
     units = Units(build, np.abs(cycle.orbit.after).max(axis=0), cycle.period, abs(value), span)

@@ -10,12 +10,15 @@ beside stick–slip. The shares are those that bSTAB finds from 5000 starts in t
 """
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from references.sizes import sizes
 
 from lsvib.dynamics.attractor import Attractor, KnownCycles, end_of_motion, steady_state
+from lsvib.dynamics.continuation import follow_cycle
+from lsvib.dynamics.cycles import cycle_of
 from lsvib.engine.automaton import Branch, Guard, Mode, Surface, Transition, assemble
 from lsvib.engine.exact.taylor_form import TaylorMode, still_mode
 from lsvib.engine.kernels.layout import CONSTANT, EXPONENT, FADE, FIRST_MODEL_KIND, PIECE, RISE, TO
@@ -24,7 +27,6 @@ from lsvib.models.sliding import divided
 
 DAMPING, DYNAMIC, STATIC_RATIO, FADING_SPEED = 0.05, 0.5, 2.0, 0.5
 STOP, RELEASE, PASSAGE = range(FIRST_MODEL_KIND, FIRST_MODEL_KIND + 3)
-BSTAB = 0.312, 0.0066  # basin stability of sliding at V = 1.5, and its standard error
 STARTS = 5000  # of bSTAB, and of pybasin, for each speed
 
 
@@ -35,8 +37,7 @@ def friction(speed):
 def oscillator(belt):
     """The automaton of the states x − μ(V) and x′; slip below the belt's speed is divided at x′ = 0."""
     law = np.zeros(PIECE)
-    law[CONSTANT], law[RISE], law[FADE] = DYNAMIC, (STATIC_RATIO - 1) * DYNAMIC, 1 / FADING_SPEED
-    law[EXPONENT], law[TO] = 1, math.inf
+    law[[CONSTANT, RISE, FADE, EXPONENT, TO]] = DYNAMIC, friction(0) - DYNAMIC, 1 / FADING_SPEED, 1, math.inf
     steady, hold = friction(belt), STATIC_RATIO * DYNAMIC
     field = np.array([[0.0, 1.0, 0.0], [-1.0, -2 * DAMPING, -steady]])
 
@@ -65,7 +66,7 @@ def oscillator(belt):
     divided("below", PASSAGE, modes, transitions, surfaces)
     return assemble(
         states=("x", "v"), surfaces=surfaces, modes=modes, transitions=transitions, observables={},
-        shortest_stay=1e-13, rest_codes=(2,), release_kinds=(RELEASE,), passive=True,
+        shortest_stay=1e-13, marks={"rest": frozenset([2])}, passive=True,
     )  # fmt: skip
 
 
@@ -86,15 +87,22 @@ def spread(share, starts):
     return 4 * math.sqrt(share * (1 - share) * (1 / starts + 1 / STARTS))
 
 
-def test_share_of_sliding():
-    assert abs(share_of_sliding(1.5, 2000) - BSTAB[0]) <= spread(BSTAB[0], 2000)
-    assert share_of_sliding(1.1, 200) == 0.0
-    assert share_of_sliding(1.85, 200) == 1.0
+SHARES = {1.1: 0, 1.25: 0.084, 1.4: 0.211, 1.5: 0.312, 1.55: 0.364, 1.7: 0.491, 1.775: 0.555, 1.85: 1, 2.0: 1}
+FEW, MORE, ALL = [(1.1, 200), (1.5, 2000), (1.85, 200)], [(1.4, STARTS), (1.7, STARTS)], (1.25, 1.55, 1.775, 2.0)
 
 
-SHARES = {1.25: 0.084, 1.4: 0.211, 1.55: 0.364, 1.7: 0.491, 1.775: 0.555, 2.0: 1.0}  # by speed of the belt
+@pytest.mark.parametrize("case", sizes(FEW, MORE, [(belt, STARTS) for belt in ALL]))
+def test_share_of_sliding(case):
+    belt, starts = case
+    assert abs(share_of_sliding(belt, starts) - SHARES[belt]) <= spread(SHARES[belt], starts)
 
 
-@pytest.mark.parametrize("belt", sizes([], [1.4, 1.7], [1.25, 1.55, 1.775, 2.0]))
-def test_share_of_sliding_over_the_speed_of_the_belt(belt):
-    assert abs(share_of_sliding(belt, STARTS) - SHARES[belt]) <= spread(SHARES[belt], STARTS)
+def test_a_cycle_is_followed_to_where_sliding_loses_its_stability():
+    """That of any automaton: it folds between the shares of 1.775 and 1.85, and then shrinks to the Hopf point."""
+    cycle = cycle_of(steady_state(oscillator(1.0), [2.0, 2.0]))
+    assert cycle.itinerary[-2:] == ((str(STOP), "stick"), (str(RELEASE), "below"))
+    branch = follow_cycle(cycle, oscillator, "belt", 1.0, (0.99, 2.0), 200, None)
+    assert 1.775 < branch.folds[0] < 1.85
+    hopf = FADING_SPEED * math.log((STATIC_RATIO - 1) * DYNAMIC / (2 * DAMPING * FADING_SPEED))  # μ′ = −2 ξ
+    assert branch.changes[-1].value == pytest.approx(hopf, rel=1e-8)
+    assert steady_state(replace(oscillator(1.0), marks={}), [2.0, 2.0]).label == Attractor.OTHER_CYCLE

@@ -31,7 +31,7 @@ def test_impulses_of_a_motion(model, force):
     """And in its dataset, with their peak in the summary."""
     scene = scene_of(model, force)
     motion, drive = Simulation.of(scene).motion, scene.drive
-    seized = np.isin(motion.kind, motion.automaton.sprag_kinds)
+    seized = motion.automaton.marked(motion.kind, "impact")
     assert seized.any()
     impulses = event_impulses(drive, motion)
     for part in (impulses.normal, impulses.axial, impulses.torque):

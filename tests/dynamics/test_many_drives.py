@@ -14,7 +14,7 @@ from references.sizes import sizes
 
 from lsvib import Drive
 from lsvib.basins.grid import Axis, Grid
-from lsvib.basins.mapper import mapper
+from lsvib.datasets.map import mapper
 from lsvib.dynamics.attractor import Attractor
 from lsvib.dynamics.sweep import all_endings, ending_of, endings_at_once
 from lsvib.errors import InputError

@@ -161,7 +161,7 @@ def second_body(model, rng):
 def place_and_size(cycle):
     """The middle of the longest slip of a cycle, and the sizes of its coordinates."""
     modes, _, _, durations = cycle.orbit.arcs()
-    slips = ~np.isin(cycle.orbit.automaton.codes[modes], cycle.orbit.automaton.rest_codes)
+    slips = ~cycle.orbit.automaton.marked(cycle.orbit.automaton.codes[modes], "rest")
     arc = int(np.argmax(durations * slips))
     place = cycle.orbit.at([np.concatenate([[0.0], cycle.orbit.time])[arc] + 0.5 * durations[arc]])[0][0]
     return place, np.maximum(np.abs(cycle.orbit.after).max(axis=0), np.abs(place))
@@ -302,7 +302,7 @@ def test_multiplier_where_friction_jams_the_threads(mass):
         friction_coefficient=0.21350336747657733, stribeck_rise=0.070661573872125, stribeck_speed=0.14063912258280198,
         input_speed=-9.559373698209251, translation_damping=17.028530012073478, axial_force=-10.354393954278866,
     )  # fmt: skip
-    cycle = cycle_of(drive, steady_state(automaton_of(drive), standing_state(drive)))
+    cycle = cycle_of(steady_state(automaton_of(drive), standing_state(drive)))
     section, step = cycle.section, 1e-6
     here = section.place(cycle.state)
     ends = [section.place(section.come_back(section.state(here + sign * step)).end_state) for sign in (1, -1)]

@@ -45,7 +45,7 @@ def test_tables_are_those_of_each_drive(monkeypatch, kind):
         np.testing.assert_allclose(flow.rates[:, :singles], true.rates, rtol=1e-15)
         assert group.automaton.condition[place] < 2 * exact.condition
         for mode, code in enumerate(exact.codes):
-            state = np.where([False, code in exact.rest_codes, False, False], -drive.input_speed, start)
+            state = np.where([False, code in exact.marks["rest"], False, False], -drive.input_speed, start)
             for time in (1e-5, 1e-3, 1e-2):
                 moved, right = np.empty(4), np.empty(4)
                 event_loop.advance(flow, mode, state, time, moved)

@@ -14,6 +14,7 @@ import numpy as np
 from lsvib import Drive
 from lsvib.dynamics.attractor import steady_state
 from lsvib.dynamics.cycles import cycle_of
+from lsvib.dynamics.drive_cycles import Cycle
 from lsvib.errors import EngineError, InputError
 from lsvib.models.mechanism import standing_state
 from lsvib.models.model import automaton_of, model_of
@@ -37,12 +38,13 @@ def random_branch(seed: int):
     try:
         drive = Drive(**values)
         states = standing_state(drive), model_of(drive).initial_state(drive, start)
-        found = [cycle_of(drive, steady_state(drive.automaton(), state, max_events=20_000)) for state in states]
+        ends = (cycle_of(steady_state(drive.automaton(), state, max_events=20_000)) for state in states)
+        found = [Cycle.of(drive, cycle) for cycle in ends if cycle is not None]
         if not drive.parts and rng.random() < 0.5:
             found = drive.cycles().cycles
     except (InputError, EngineError):
         return None
-    cycles = [cycle for cycle in found if cycle is not None and 0 < len(cycle.itinerary) < 40]
+    cycles = [cycle for cycle in found if 0 < len(cycle.itinerary) < 40]
     names = [name for name, value in drive if isinstance(value, float) and value and name != "stribeck_exponent"]
     parameter, factors = names[rng.integers(len(names))], 10 ** (rng.uniform(0.2, 0.8, 2) * (-1, 1))
     ends = [allowed(drive, parameter, factor) for factor in factors]
@@ -213,10 +215,8 @@ class Judge:
         if None in found:
             return self.fault("no own cycle next to the border", value, *(one is None for one in found))
         apart = abs(math.log(found[0].period / found[1].period))
-        if (
-            apart
-            > 0.1 * max(abs(math.log(p.cycle.period / own.period)) for p, own in zip(pair, found, strict=True)) + 1e-7
-        ):
+        most = max(abs(math.log(p.cycle.period / own.period)) for p, own in zip(pair, found, strict=True))
+        if apart > 0.1 * most + 1e-7:
             self.fault("the branch jumps at the border", value, *(one.period for one in found))
         before, after = (one.events for one in found)
         for words in re.split(" and (?=gains)", change.what):
@@ -249,11 +249,10 @@ class Judge:
         told = any(word in change.what for word in ("range", "points", "comes back", "refused"))
         own, here, gaps = middle(last.cycle), last.cycle, [0.0]
         for part in (1e-8, 1e-6, 1e-4, 1e-2) if not told and here.attracting else ():
-            drive = self.at(
-                change.value + math.copysign(part * (self.span[1] - self.span[0]), last.value - inner.value)
-            )
+            away = math.copysign(part * (self.span[1] - self.span[0]), last.value - inner.value)
+            drive = self.at(change.value + away)
             try:
-                cycle = cycle_of(drive, steady_state(automaton_of(drive), own.state, max_events=100_000))
+                cycle = cycle_of(steady_state(automaton_of(drive), own.state, max_events=100_000))
             except EngineError:
                 return
             if cycle is None:
@@ -261,7 +260,7 @@ class Judge:
             gap = max(abs(cycle.period / here.period - 1), abs(cycle.amplitude / here.amplitude - 1))
             if not gaps[-1] <= 0.3 * gap + 1e-7 or gap > 0.3:
                 return
-            own, gaps = middle(cycle), [*gaps, gap]
+            own, gaps = middle(Cycle.of(drive, cycle)), [*gaps, gap]
         if len(gaps) > 1:
             self.fault("ends at", change.value, change.what, "but goes on, off by", *gaps[1:])
 

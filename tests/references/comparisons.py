@@ -135,9 +135,7 @@ def balanced(seeds, draw=drive_with_parts, **more: bool) -> list[tuple[str, ...]
             automaton = automaton_of(drive)
             orbit = steady_state(automaton, start, max_events=20_000).orbit
             if orbit is not None and orbit.time.size:
-                jams = np.isin(orbit.kind, automaton.sprag_kinds).any() and (
-                    drive.stribeck_rise or drive.friction_slope
-                )
+                jams = automaton.marked(orbit.kind, "impact").any() and (drive.stribeck_rise or drive.friction_slope)
                 assert abs(work(drive, orbit).balance) <= (3e-8 if jams else 1e-13), drive
                 found.append(drive.parts)
     return found

@@ -16,10 +16,9 @@ from lsvib.assess.threads import Size
 from lsvib.errors import InputError
 from lsvib.fit.law import law_of_curve
 from lsvib.models.complaints import sentence_about
-from lsvib.models.drive import names_and_values
 from lsvib.models.pairings import PAIRINGS, stated
 from lsvib.models.scene import read_yaml
-from lsvib.numbers import shown, whole_between
+from lsvib.numbers import names_and_values, shown, whole_between
 
 
 class Part(BaseModel):

@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from lsvib.basins.curves import Arc, Curve, Part, Segment, Window, area, clip, contains, inside, sampled
 from lsvib.basins.reversed_time import BEGINNING, backward_automaton, backward_under_law
 from lsvib.dynamics.attractor import steady_state
-from lsvib.dynamics.cycles import swing
+from lsvib.dynamics.drive_cycles import swing
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.engine.flow import Flow

@@ -1,8 +1,8 @@
-"""Grids of starts in two coordinates of a drive's state."""
+"""Grids of starts in two coordinates of a state."""
 
 import math
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Self
 
@@ -10,15 +10,13 @@ import numpy as np
 
 from lsvib import numbers
 from lsvib.errors import InputError
-from lsvib.models.drive import names_and_values
-from lsvib.models.model import coordinates
 
 MOST_CELLS = 100_000_000  # of a map at once; each takes some hundred bytes while it is computed
 
 
 @dataclass(frozen=True)
 class Axis:
-    """Cells of equal width along a coordinate: u [rad], w [rad/s], with compliant threads e [m] and v [m/s].
+    """Cells of equal width along a coordinate of a start, in its SI unit.
 
     Made from numbers or text; raises ``InputError`` if one is none, or if cells coincide.
     """
@@ -60,7 +58,7 @@ class Axis:
 class Grid:
     """Starts in two coordinates, ``x`` along columns and ``y`` along rows; ``fixed`` are the values of the others.
 
-    Raises ``InputError`` if an axis is none, or is not along a coordinate of a state.
+    Raises ``InputError`` if an axis is none, or a coordinate is given twice.
     """
 
     x: Axis
@@ -70,29 +68,26 @@ class Grid:
     def __post_init__(self) -> None:
         if not (isinstance(self.x, Axis) and isinstance(self.y, Axis)):
             raise InputError("a grid needs two axes, lsvib.Axis(coordinate, start, stop, count) each.")
-        names = [self.x.coordinate, self.y.coordinate, *names_and_values("grid", self.fixed)]
-        for name in names:
-            if not isinstance(name, str) or name not in coordinates():
-                raise InputError(f"grid has the coordinate {name!r}, which is not one of {', '.join(coordinates())}.")
+        names = [self.x.coordinate, self.y.coordinate, *numbers.names_and_values("grid", self.fixed)]
         if len(set(names)) < len(names):
-            raise InputError(f"the grid gives a coordinate twice: {', '.join(names)}.")
+            raise InputError(f"the grid gives a coordinate twice: {', '.join(map(str, names))}.")
         values = {name: numbers.start(f"grid: {name}", value) for name, value in self.fixed.items()}
         object.__setattr__(self, "fixed", values)
 
     @classmethod
-    def of(cls, values: Mapping[str, Any]) -> Self:
+    def of(cls, values: Mapping[str, Any], names: Sequence[str]) -> Self:
         """Make a grid from ``{coordinate: {start, stop, count}}`` twice and ``{coordinate: value}``, as YAML has it.
 
-        A span may also be (start, stop, count). Of the two axes, the one that comes first in a state is horizontal,
-        whichever is written first. Raises ``InputError``.
+        A span may also be (start, stop, count). Of the two axes, the one that comes first in ``names`` is
+        horizontal, whichever is written first. Raises ``InputError``.
         """
-        values = names_and_values("grid", values)
+        values = numbers.names_and_values("grid", values)
         for name, span in values.items():
             if isinstance(span, tuple | list):
                 if len(span) != 3:
                     raise InputError(f"axis {name} has {len(span)} numbers; it needs start, stop and count.")
                 values[name] = dict(zip(("start", "stop", "count"), span, strict=True))
-        known = [*coordinates(), *values]  # what is no coordinate comes last
+        known = [*names, *values]  # what is no coordinate comes last
         spans = [name for name in dict.fromkeys(known) if isinstance(values.get(name), Mapping)]
         if len(spans) != 2:
             raise InputError(f"grid spans {len(spans)} coordinates; give start, stop and count of two.")

@@ -18,11 +18,10 @@ import numpy as np
 from lsvib.basins.grid import Grid
 from lsvib.basins.kernels import labels as kernels
 from lsvib.basins.kernels.labels import UNKNOWN, UNRESOLVED, Known
-from lsvib.basins.mapper import NO_DOUBT, Mapper
+from lsvib.basins.mapper import NO_DOUBT, Mapper, Starts
 from lsvib.dynamics.attractor import Attractor, Doubt, SteadyState, steady_state
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import event_loop, flow_planar, layout
-from lsvib.models.drive import Drive
 
 _EVENTS = 100_000  # of a motion, after which its start is unresolved
 _SYMBOLS = 256  # events of the longest itinerary; what a motion ends in that goes on is searched
@@ -260,7 +259,7 @@ def _nothing_known(automaton: Automaton, size: np.ndarray) -> Known:
     """Return the tables of an automaton before anything is known of its sections; ``size`` as of :func:`_sizes`."""
     tables = automaton.tables
     modes, surfaces = len(tables.flow), len(tables.surfaces)
-    rests = np.isin(automaton.codes, automaton.rest_codes)
+    rests = automaton.marked(automaton.codes, "rest")
     alpha, beta = tables.flow[:, layout.ALPHA], tables.flow[:, layout.BETA]
     undamped = np.where(beta > 0, Attractor.NEUTRAL_FAMILY, Attractor.UNBOUNDED)
     slip = np.where(alpha > 0, Attractor.STEADY_SLIDING, np.where(alpha < 0, Attractor.UNBOUNDED, undamped))
@@ -382,7 +381,7 @@ def _with_cycles(
             cycle_state=np.concatenate([orbit.after for orbit in orbits]),
             cycle_reach=np.concatenate([0 * o.after + _ON_CYCLE * np.abs(o.after).max(axis=0) for o in orbits]),
         )
-    tables, sprags = automaton.tables, np.array(automaton.sprag_kinds, dtype=np.int64)
+    tables, sprags = automaton.tables, np.array([*automaton.marks["impact"]], dtype=np.int64)
     for mode, state in releases:
         leads, size = tables.guard_transition[tables.guard_start[mode]], np.abs(state)
         branch, scratch = event_loop.choose_branch(tables, leads, state, size), kernels.new_scratch(tables)
@@ -407,14 +406,14 @@ class PlanarMapper(Mapper):
 
     block = 16384  # a thread works on one block at a time
 
-    def __init__(self, drive: Drive, physics: tuple[str, ...]) -> None:
-        super().__init__(drive, physics)
+    def __init__(self, automaton: Automaton, starts: Starts) -> None:
+        super().__init__(automaton, starts)
         self.sections = Sections(self.automaton)
         self.attractors = self.sections.attractors
         self._events = _EVENTS if self.sections.complete else _SYMBOLS  # in gaps many motions go on and on
         # Why a start is unresolved, if it is.
         self.doubt = Doubt.ROUNDING if self.sections.complete else Doubt.EVENT_BUDGET
-        self._sprags = np.array(self.automaton.sprag_kinds, dtype=np.int64)
+        self._sprags = np.array([*self.automaton.marks["impact"]], dtype=np.int64)
 
     def fill(
         self, found: Mapping[str, np.ndarray], grid: Grid, x: np.ndarray, y: np.ndarray, quantities: Sequence[str]

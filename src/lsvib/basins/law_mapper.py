@@ -18,13 +18,12 @@ from lsvib.basins.kernels import next_section
 from lsvib.basins.kernels.labels import UNKNOWN, UNRESOLVED, Cells, new_scratch, put_on
 from lsvib.basins.kernels.next_section import LEAVES, RESTS, STAYS, Pieces, Way
 from lsvib.basins.labels import Section, find_sections, landings
-from lsvib.basins.mapper import NO_DOUBT
+from lsvib.basins.mapper import NO_DOUBT, Starts
 from lsvib.basins.slice_mapper import StateMapper
 from lsvib.dynamics.attractor import Attractor, SteadyState, end_of_motion
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import jit
 from lsvib.errors import EngineError
-from lsvib.models.drive import Drive
 
 _POINTS = 12_000  # of all sections whose next event is looked for at most, a third of a second
 _FINEST = 1e-7  # width of an interval that is not halved, in sizes of the drive's motions
@@ -217,7 +216,7 @@ class DividedSections:
 
 
 def _nothing_known(automaton: Automaton) -> Pieces:
-    tables, rests = automaton.tables, np.isin(automaton.codes, automaton.rest_codes)
+    tables, rests = automaton.tables, automaton.marked(automaton.codes, "rest")
     slides = np.where(tables.flow.settled_level >= 0, Attractor.STEADY_SLIDING, UNKNOWN)
     return Pieces(
         landing=landings(automaton, rests),
@@ -238,10 +237,9 @@ class LawMapper(StateMapper):
     are followed to their ends, as of drives with more states.
     """
 
-    def __init__(self, drive: Drive, physics: tuple[str, ...]) -> None:
-        super().__init__(drive, physics)
-        reach = drive.input_speed * np.array([(drive.screw_inertia / drive.coupling_stiffness) ** 0.5, 1.0])
-        places = [np.abs(reach)[None], *(np.abs(one.orbit.after) for one in self.attractors if one.orbit is not None)]
+    def __init__(self, automaton: Automaton, starts: Starts) -> None:
+        super().__init__(automaton, starts)
+        places = [starts.size[None], *(np.abs(one.orbit.after) for one in self.attractors if one.orbit is not None)]
         self.sections = DividedSections(self.automaton, np.concatenate(places).max(axis=0), self.attractors)
 
     def fill(

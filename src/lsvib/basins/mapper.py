@@ -1,40 +1,47 @@
 """The region of attraction: the attractor of every start in a grid, how long it takes, and what happens on the way."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 
 import numpy as np
 
 from lsvib.basins.grid import Grid
 from lsvib.dynamics.attractor import SteadyState
+from lsvib.engine.automaton import Automaton
 from lsvib.errors import InputError
-from lsvib.models.drive import Drive
-from lsvib.models.friction import depends_on_speed
-from lsvib.models.model import automaton_of, coordinates, model_of
 from lsvib.numbers import Progress
 
 QUANTITIES = {"label": np.int8, "time": np.float64, "seizures": np.int32, "first_event": np.int8, "doubt": np.int8}
 NO_DOUBT = -1  # of a cell whose label is known
 
 
-class Mapper(ABC):
-    """Maps the starts of a drive to what becomes of them, whatever the number of states of its model.
+@dataclass(frozen=True)
+class Starts:
+    """How motions of a system begin, for its maps.
 
-    ``drive`` and ``physics`` are those of the scene; ``definition`` is what its parts make of it, and
-    ``events`` are the codes of its events by name; ``attractors`` are the cycles that motions are known to reach. A
-    mapper fills blocks of about ``block`` cells at a time.
+    ``state`` makes a state (n) of the values that a grid gives by name, or raises ``InputError``; ``size`` (2) is that
+    of motions in the first two coordinates, and ``first`` are states from which cycles are looked for beforehand.
+    """
+
+    state: Callable[[Mapping[str, float]], np.ndarray]
+    size: np.ndarray
+    first: Sequence[np.ndarray]
+
+
+class Mapper(ABC):
+    """Maps the starts of an automaton to what becomes of them, whatever the number of its states.
+
+    ``attractors`` are the cycles that motions are known to reach. A mapper fills blocks of about ``block`` cells at a
+    time.
     """
 
     attractors: Sequence[SteadyState]
     block: int
 
-    def __init__(self, drive: Drive, physics: tuple[str, ...]) -> None:
-        self.drive, self.physics = drive, physics
-        self.definition = model_of(drive)
-        self.events = self.definition.events
-        self.automaton = automaton_of(drive)
-        self.keys = tuple(key for key in coordinates() if coordinates()[key] in self.automaton.states)
+    def __init__(self, automaton: Automaton, starts: Starts) -> None:
+        self.automaton, self.starts = automaton, starts
 
     def cells(
         self,
@@ -57,9 +64,9 @@ class Mapper(ABC):
         for name in quantities:
             if name not in QUANTITIES:
                 raise InputError(f"quantity {name!r} is not one of {', '.join(QUANTITIES)}.")
-        self.check(grid)
         y = grid.y.centres(*rows.indices(grid.y.count)[:2])
         x = grid.x.centres(*columns.indices(grid.x.count)[:2])
+        self.starts.state({**grid.fixed, grid.x.coordinate: grid.x.start, grid.y.coordinate: grid.y.start})
         # An array that nobody fills takes no memory.
         found = {name: np.empty((y.size, x.size), dtype) for name, dtype in QUANTITIES.items()}
         height = max(1, self.block // max(1, x.size))
@@ -74,46 +81,8 @@ class Mapper(ABC):
                     progress(part.stop, y.size)
         return {name: found[name] for name in quantities}
 
-    def check(self, grid: Grid) -> None:
-        """Raise ``InputError`` unless the grid has what a start needs, and nothing that the state has not."""
-        given = (grid.x.coordinate, grid.y.coordinate, *grid.fixed)
-        for key in given:
-            if key not in self.keys:
-                raise InputError(f"this drive has the coordinates {', '.join(self.keys)}, not {key}.")
-        for key in self.definition.required:
-            if key not in given:
-                raise InputError(f"the grid needs the coordinate {key}, as an axis or fixed.")
-
     @abstractmethod
     def fill(
         self, found: Mapping[str, np.ndarray], grid: Grid, x: np.ndarray, y: np.ndarray, quantities: Sequence[str]
     ) -> None:
         """Fill arrays (rows, columns) of at least the ``quantities`` of cells at ``x`` (columns) and ``y`` (rows)."""
-
-
-def mapper(drive: Drive, physics: Sequence[str] | None = None) -> Mapper:
-    """Return the mapper of a drive, ``physics`` as in a scene; raises ``InputError``.
-
-    For a rigid drive whose motor turns that is a ``PlanarMapper`` or, under a friction law, a ``LawMapper``; else a
-    ``StateMapper``.
-
-    >>> import lsvib
-    >>> from lsvib.basins.grid import Axis, Grid
-    >>> grid = Grid(Axis("u", -0.03, 0.03, 4), Axis("w", -5, 5, 2))
-    >>> mapped = mapper(lsvib.Drive(mass=11, support_damping=1e-3, axial_force=-10))
-    >>> mapped.cells(grid, quantities=("label",))["label"].tolist()
-    [[0, 0, 0, 0], [0, 0, 0, 2]]
-    """
-    definition = model_of(drive)
-    physics = definition.terms if physics is None else tuple(physics)
-    if not (drive.rigid and drive.input_speed):
-        from lsvib.basins.slice_mapper import StateMapper  # each with kernels of its own
-
-        return StateMapper(drive, physics)
-    if depends_on_speed(drive):
-        from lsvib.basins.law_mapper import LawMapper
-
-        return LawMapper(drive, physics)
-    from lsvib.basins.labels import PlanarMapper
-
-    return PlanarMapper(drive, physics)

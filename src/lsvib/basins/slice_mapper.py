@@ -1,7 +1,7 @@
-"""The region of attraction of drives with more than two states: planar slices, one motion followed for every cell.
+"""The region of attraction with more than two states: planar slices, one motion followed for every cell.
 
 Every start is asked of the one rule (:mod:`lsvib.dynamics.attractor`), with the cycles that a few fixed starts reach as
-known ones, which a motion that joins them ends on at once. So the result does not depend on the grid, tiles or threads.
+known ones, which a motion that joins them ends on at once. So the result does not depend on the grid, tiles or workers.
 """
 
 from collections.abc import Mapping, Sequence
@@ -10,14 +10,14 @@ from contextlib import suppress
 import numpy as np
 
 from lsvib.basins.grid import Grid
-from lsvib.basins.mapper import NO_DOUBT, Mapper
+from lsvib.basins.mapper import NO_DOUBT, Mapper, Starts
 from lsvib.dynamics.attractor import Attractor, Doubt, KnownCycles, SteadyState, end_of_motion
+from lsvib.engine.automaton import Automaton
 from lsvib.errors import EngineError
-from lsvib.models.drive import Drive
 
 
 class StateMapper(Mapper):
-    """Maps planar slices of the starts of a drive to what becomes of them.
+    """Maps planar slices of the starts of an automaton to what becomes of them.
 
     ``label`` as in the module docstring; ``time`` [s] and ``seizures`` (events or modes that sprag) until the label is
     decided: the last event, or the fourth of the points that show the cycle; ``first_event``: kind of the first event.
@@ -25,15 +25,12 @@ class StateMapper(Mapper):
 
     block = 1  # a row at a time
 
-    def __init__(self, drive: Drive, physics: tuple[str, ...]) -> None:
-        super().__init__(drive, physics)
+    def __init__(self, automaton: Automaton, starts: Starts) -> None:
+        super().__init__(automaton, starts)
         self.attractors: list[SteadyState] = []
-        speed = abs(drive.input_speed)
-        reach = speed * (drive.screw_inertia / drive.coupling_stiffness) ** 0.5
-        for u, w in ((reach, 0.0), (-reach, 0.0), (0.0, -1.5 * drive.input_speed), (3 * reach, 3 * speed)):
-            start = self.definition.initial_state(drive, {"u": u, "w": w})
+        for start in starts.first:
             with suppress(EngineError):
-                found, _ = end_of_motion(self.automaton, start, max_events=70_000)
+                found, _ = end_of_motion(automaton, start, max_events=70_000)
                 known = any(other.same_period(found) for other in self.attractors)
                 if found.orbit is not None and found.orbit.time.size and not known:
                     self.attractors.append(found)
@@ -52,7 +49,7 @@ class StateMapper(Mapper):
 
     def follow(self, found: Mapping[str, np.ndarray], grid: Grid, i: int, j: int, x: float, y: float) -> None:
         """Fill the cell (i, j), at ``x`` and ``y``, by the one rule."""
-        state = self.definition.initial_state(self.drive, {**grid.fixed, grid.x.coordinate: x, grid.y.coordinate: y})
+        state = self.starts.state({**grid.fixed, grid.x.coordinate: x, grid.y.coordinate: y})
         try:  # each event takes some microseconds
             end, course = end_of_motion(self.automaton, state, max_events=700_000, known=self._known)
             label, doubt, sprags, first = end.label, end.doubt, course.sprags, course.first_event

@@ -23,8 +23,9 @@ def config(*, drive: DriveOptions = CHAPTER, scene: SceneFile = None, as_json: A
         lsvib config --set contact_stiffness=1e8 --set contact_damping=1e8
     """
     from lsvib.models.complaints import allowed_range
-    from lsvib.models.drive import Drive, described, names_and_values
+    from lsvib.models.drive import Drive, described
     from lsvib.models.scene import Scene, read_yaml
+    from lsvib.numbers import names_and_values
 
     start = read_yaml(scene) if scene else {}
     for key in start:

@@ -2,9 +2,9 @@
 
 import json
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import xarray as xr
@@ -16,7 +16,8 @@ from lsvib.datasets.attributes import about_drive, answer, axis, flagged, given,
 from lsvib.datasets.sweep import known_key
 from lsvib.dynamics.attractor import Attractor, SteadyState, shrinks_areas
 from lsvib.dynamics.continuation import CycleBranch, follow_cycle
-from lsvib.dynamics.cycles import Cycle, cycle_from, random_starts, search, starts
+from lsvib.dynamics.cycles import cycle_from, search
+from lsvib.dynamics.drive_cycles import Cycle, random_starts, starts
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.motion import enter
 from lsvib.errors import EngineError, InputError
@@ -105,13 +106,13 @@ def find_cycles(drive: Drive, automaton: Automaton) -> Cycles:
         if basin.boundary == Boundary.CYCLE:
             arcs = [piece for piece in basin.curves[0] if isinstance(piece, Arc)]
             mode, start = enter(automaton, state_on(basin.flow, arcs[0], 0.5 * arcs[0].duration))
-            known = cycle_from(drive, automaton, start, mode, len(arcs), "boundary of the basin")
+            known = cycle_from(automaton, start, mode, len(arcs), "boundary of the basin")
     model = model_of(drive)
     given = [{"u": u, "w": w} for u, w in starts(drive)]
     if "motor" in drive.parts:  # the starts leave the motor at steady sliding; here all stands
         given.append(model.from_rest(drive))
     states = [model.initial_state(drive, start) for start in given] + random_starts(drive)
-    found = search(drive, automaton, states, known)
+    found = search(automaton, states, known)
     if not found.cycles and len(found.unresolved) == len(states):
         why = "; ".join(sorted(set(found.unresolved)))
         # A contact may be so stiff that motions take too much work.
@@ -121,7 +122,8 @@ def find_cycles(drive: Drive, automaton: Automaton) -> Cycles:
             f"this drive; follow one with lsvib simulate{softer}."
         )
     searched = f"Searched: {found.searched}; there may be other cycles."
-    return Cycles(found.cycles, found.families, proved, searched, len(found.unresolved))
+    cycles = tuple(Cycle.of(drive, cycle) for cycle in found.cycles)
+    return Cycles(cycles, found.families, proved, searched, len(found.unresolved))
 
 
 def followed(
@@ -159,18 +161,19 @@ def followed(
     for end in (low, high):
         drive.replace(**{parameter: end})
 
-    @lru_cache(8)
-    def made(value: float) -> tuple[Drive, Automaton]:
-        there = drive.replace(**{parameter: zero_if_close(parameter, value)})
-        return there, build(there)
+    def at(value: float) -> Drive:
+        return drive.replace(**{parameter: zero_if_close(parameter, value)})
 
-    return follow_cycle(cycle, made, parameter, (low, high), most, progress)
+    made = lru_cache(8)(lambda value: build(at(value)))
+    branch = follow_cycle(cycle, made, parameter, here, (low, high), most, progress)
+    points = (replace(point, cycle=Cycle.of(at(point.value), point.cycle)) for point in branch.points)
+    return replace(branch, points=tuple(points))
 
 
 def branch_dataset(branch: CycleBranch) -> xr.Dataset:
     """Return a branch of cycles as a dataset along ``point``; its changes are an attribute."""
     points, cycles = branch.points, [point.cycle for point in branch.points]
-    drive = cycles[0].drive
+    drive = cast(Cycle, cycles[0]).drive
     fixed = [(key, value) for key, value in drive if key != branch.parameter]
     multipliers = np.array([cycle.multipliers for cycle in cycles]).reshape(len(cycles), -1)
     columns: dict[str, tuple[Any, ...]] = {  # values, unit, words, symbol

@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -10,8 +11,11 @@ import xarray as xr
 from lsvib import numbers, words
 from lsvib.basins.boundary import known_basin
 from lsvib.basins.curves import Window
-from lsvib.basins.grid import MOST_CELLS, Grid
-from lsvib.basins.mapper import NO_DOUBT, Mapper, mapper
+from lsvib.basins.grid import MOST_CELLS, Axis, Grid
+from lsvib.basins.labels import PlanarMapper
+from lsvib.basins.law_mapper import LawMapper
+from lsvib.basins.mapper import NO_DOUBT, Mapper, Starts
+from lsvib.basins.slice_mapper import StateMapper
 from lsvib.datasets import attributes as cf
 from lsvib.datasets import phase_plane
 from lsvib.datasets.io import joined, rows_of, write_dataset
@@ -19,7 +23,30 @@ from lsvib.dynamics.attractor import Attractor, Doubt
 from lsvib.errors import InputError
 from lsvib.files import File
 from lsvib.models.drive import Drive
-from lsvib.models.model import coordinates
+from lsvib.models.friction import depends_on_speed
+from lsvib.models.model import automaton_of, coordinates, model_of
+from lsvib.models.names import Event
+
+
+def mapper(drive: Drive) -> Mapper:
+    """Return the mapper of a drive.
+
+    For a rigid drive whose motor turns that is a ``PlanarMapper`` or, under a friction law, a ``LawMapper``; else a
+    ``StateMapper``.
+
+    >>> import lsvib
+    >>> grid = lsvib.Grid(lsvib.Axis("u", -0.03, 0.03, 4), lsvib.Axis("w", -5, 5, 2))
+    >>> mapped = mapper(lsvib.Drive(mass=11, support_damping=1e-3, axial_force=-10))
+    >>> mapped.cells(grid, quantities=("label",))["label"].tolist()
+    [[0, 0, 0, 0], [0, 0, 0, 2]]
+    """
+    model, speed = model_of(drive), drive.input_speed
+    u, w = abs(speed) * (drive.screw_inertia / drive.coupling_stiffness) ** 0.5, abs(speed)
+    first = [{"u": x, "w": y} for x, y in ((u, 0.0), (-u, 0.0), (0.0, -1.5 * speed), (3 * u, 3 * w))]
+    state = partial(model.initial_state, drive)
+    two = LawMapper if depends_on_speed(drive) else PlanarMapper
+    kind = two if drive.rigid and speed else StateMapper
+    return kind(automaton_of(drive), Starts(state, np.array([u, w]), [*map(state, first)]))
 
 
 def map_attraction(
@@ -31,7 +58,7 @@ def map_attraction(
 ) -> xr.Dataset:
     """Map the region of attraction of a drive as ``drive.attraction(…)``."""
     at_once = numbers.workers(workers)
-    starts = grid if isinstance(grid, Grid) else Grid.of(grid)
+    starts = grid if isinstance(grid, Grid) else Grid.of(grid, model_of(drive).keys)
     if (total := starts.x.count * starts.y.count) > MOST_CELLS:
         raise InputError(
             f"grid has {total} cells; the allowed range is up to {MOST_CELLS}, or the tiles of the workflow."
@@ -41,7 +68,7 @@ def map_attraction(
         raise InputError(f"quantities = {numbers.shown(quantities)} is not a list of names.")
     asked = list(dict.fromkeys(["label", *quantities]))
     found = mapped.cells(starts, quantities=asked, workers=at_once, progress=progress)
-    return _around(frame(mapped, starts).assign(cells(mapped, starts, found)), mapped, starts)
+    return _around(frame(drive, starts).assign(cells(starts, found)), drive, mapped, starts)
 
 
 def grids_of(drives: Sequence[Drive], angle: Mapping[str, Any], velocity: Mapping[str, Any]) -> xr.Dataset:
@@ -49,7 +76,7 @@ def grids_of(drives: Sequence[Drive], angle: Mapping[str, Any], velocity: Mappin
 
     ``angle`` u [rad] and ``velocity`` w [rad/s]: ``start``, ``stop`` and ``count`` of the cells of equal width.
     """
-    grid = Grid.of({"u": dict(angle), "w": dict(velocity)})
+    grid = Grid(Axis("u", **angle), Axis("w", **velocity))
     labels = [mapper(drive).cells(grid, quantities=("label",))["label"].T for drive in drives]
     plane = ("case", "grid_angle_deviation", "grid_velocity_deviation")
     return xr.Dataset(
@@ -63,27 +90,27 @@ def grids_of(drives: Sequence[Drive], angle: Mapping[str, Any], velocity: Mappin
     )
 
 
-def _around(cells: xr.Dataset, mapper: Mapper, grid: Grid) -> xr.Dataset:
+def _around(cells: xr.Dataset, drive: Drive, mapper: Mapper, grid: Grid) -> xr.Dataset:
     """Add to the cells of a map what belongs to the whole: fractions of attractors, drive and :func:`surroundings`."""
     shares = cf.fractions("attractor", "attractor", Attractor, cells.label.values)
-    return cells.assign(shares | cf.given(mapper.drive) | surroundings(mapper, grid))
+    return cells.assign(shares | cf.given(drive) | surroundings(drive, mapper, grid))
 
 
-def frame(mapper: Mapper, grid: Grid) -> xr.Dataset:
+def frame(drive: Drive, grid: Grid) -> xr.Dataset:
     """Return a map without its cells: middles of the cells, and global attributes, ``grid`` among them as JSON."""
     axes: cf.Variables = {
         name: (name, axis.centres(), {**cf.quantity(name), "cell_width": axis.width})
         for name, axis in zip(_dimensions(grid), (grid.y, grid.x), strict=True)
     }
-    spans = {axis.coordinate: [axis.start, axis.stop, axis.count] for axis in (grid.x, grid.y)}
+    model, spans = model_of(drive), {axis.coordinate: [axis.start, axis.stop, axis.count] for axis in (grid.x, grid.y)}
     about = {
         "title": "Regions of attraction of a lead-screw drive",
         "source": "lsvib, exact event-driven motion from the middle of every cell",
         "references": "doi:10.1007/978-1-4419-1752-2_8, Sect. 8.7",
-        "physics": " ".join(mapper.physics),
+        "physics": " ".join(model.terms),
         "grid": json.dumps({"axes": spans, "fixed": dict(grid.fixed)}),
     }
-    return cf.answer({}, axes, cf.about_drive(mapper.drive, mapper.drive) | about)
+    return cf.answer({}, axes, cf.about_drive(drive, drive) | about)
 
 
 def _dimensions(grid: Grid) -> tuple[str, str]:
@@ -91,13 +118,13 @@ def _dimensions(grid: Grid) -> tuple[str, str]:
     return coordinates()[grid.y.coordinate], coordinates()[grid.x.coordinate]
 
 
-def cells(mapper: Mapper, grid: Grid, found: Mapping[str, np.ndarray]) -> dict[str, cf.Variable]:
+def cells(grid: Grid, found: Mapping[str, np.ndarray]) -> dict[str, cf.Variable]:
     """Return what :meth:`Mapper.cells` gave of some cells as variables; in a file ``time`` is that of a motion."""
     about = {
         "label": cf.attributes("1", phase_plane.ATTRACTOR, **cf.flags(Attractor)),
         "time": cf.attributes("s", "time until the attractor is reached", "$t$", comment="missing where it never is"),
         "seizures": cf.attributes("1", "number of seizures until the attractor is reached"),
-        "first_event": cf.attributes("1", "first event of the motion", **cf.flags(mapper.events, none=True)),
+        "first_event": cf.attributes("1", "first event of the motion", **cf.flags(Event, none=True)),
         "doubt": cf.attributes(
             "1",
             "why the label is unresolved",
@@ -115,7 +142,7 @@ def cells(mapper: Mapper, grid: Grid, found: Mapping[str, np.ndarray]) -> dict[s
     }
 
 
-def surroundings(mapper: Mapper, grid: Grid) -> dict[str, cf.Variable]:
+def surroundings(drive: Drive, mapper: Mapper, grid: Grid) -> dict[str, cf.Variable]:
     """Return what is drawn around a map of u and w: of every model the limit cycles that were met.
 
     Of the rigid drive also the lines Q = 0 and θ′ = 0 and, where known, the boundary of the basin and its area.
@@ -126,11 +153,11 @@ def surroundings(mapper: Mapper, grid: Grid) -> dict[str, cf.Variable]:
     orbits = [found.orbit for found in mapper.attractors if found.orbit is not None]
     if orbits:
         data |= phase_plane.orbits(orbits)
-    if mapper.drive.rigid:
-        lines = phase_plane.lines([mapper.drive])
+    if drive.rigid:
+        lines = phase_plane.lines([drive])
         names = ("contact_line_angle", "contact_line_slope", "stop_velocity")
         data |= {name: ((), lines[name][1][0], lines[name][2]) for name in names}
-    if (basin := known_basin(mapper.drive)) is not None:
+    if (basin := known_basin(drive)) is not None:
         window = Window(grid.x.start, grid.x.stop, grid.y.start, grid.y.stop)
         data |= phase_plane.curve("boundary", "boundary_point", basin.line(window), "on the exact boundary")
         words = "area of the basin of steady sliding within the map, exact"
@@ -167,20 +194,20 @@ def text(summary: Mapping[str, Any]) -> Iterator[str]:
     yield f"{words.rate(summary['cells_per_second'])} cells per second"
 
 
-def mapper_of(settings: Mapping[str, Any]) -> Mapper:
-    """Return the mapper of settings ``drive`` (changes of Table 8.1); raises ``InputError``."""
-    return mapper(Drive.of(settings["drive"]))
-
-
 def map_tile(settings: Mapping[str, Any], item: str, path: File, workers: int = 1) -> None:
-    """Map one tile ("3-of-6") and write it; ``settings`` as of :func:`mapper_of`, with ``grid`` and ``quantities``."""
-    grid, mapped = Grid.of(settings["grid"]), mapper_of(settings)
+    """Map one tile ("3-of-6") and write it; ``settings``: ``drive``, ``grid`` and ``quantities``."""
+    drive, grid = _of(settings)
     rows = rows_of(item, grid.y.count)
-    found = mapped.cells(grid, rows, quantities=settings["quantities"], workers=workers)
-    write_dataset(frame(mapped, grid).isel({_dimensions(grid)[0]: rows}).assign(cells(mapped, grid, found)), path)
+    found = mapper(drive).cells(grid, rows, quantities=settings["quantities"], workers=workers)
+    write_dataset(frame(drive, grid).isel({_dimensions(grid)[0]: rows}).assign(cells(grid, found)), path)
 
 
 def gather_map(settings: Mapping[str, Any], tiles: Sequence[File], path: File) -> None:
     """Write the map, the dataset of ``drive.attraction(…)``, from the files of its tiles; ``settings`` as of a tile."""
-    grid, mapped = Grid.of(settings["grid"]), mapper_of(settings)
-    write_dataset(_around(joined(tiles, _dimensions(grid)[0]), mapped, grid), path)
+    drive, grid = _of(settings)
+    write_dataset(_around(joined(tiles, _dimensions(grid)[0]), drive, mapper(drive), grid), path)
+
+
+def _of(settings: Mapping[str, Any]) -> tuple[Drive, Grid]:
+    drive = Drive.of(settings["drive"])
+    return drive, Grid.of(settings["grid"], model_of(drive).keys)

@@ -16,9 +16,10 @@ from lsvib.datasets import phase_plane
 from lsvib.dynamics.attractor import Attractor, Doubt, SteadyState, orbit_extremes, steady_state
 from lsvib.dynamics.impulses import Impulses, event_impulses
 from lsvib.engine.motion import Budget, Motion, follow
-from lsvib.models.drive import changed, names_and_values, parameters_of
+from lsvib.models.drive import changed, parameters_of
 from lsvib.models.model import automaton_of
 from lsvib.models.scene import Scene, read_yaml
+from lsvib.numbers import names_and_values
 
 _COMMANDED = (
     "Angles of screw and motor are those from the commanded motion, speeds are less the constant input_speed, not less "
@@ -78,7 +79,7 @@ class Simulation:
     @property
     def _seizures(self) -> Impulses | None:
         """The impulses of each event, of drives that may seize."""
-        return event_impulses(self.scene.drive, self.motion) if self.motion.automaton.sprag_kinds else None
+        return event_impulses(self.scene.drive, self.motion) if self.motion.automaton.marks.get("impact") else None
 
     def dataset(self, outputs: tuple[str, ...] | None = None) -> xr.Dataset:
         """Return the motion over ``time`` and ``event``, with its scene's outputs or others.

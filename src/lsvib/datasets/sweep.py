@@ -22,10 +22,11 @@ from lsvib.dynamics.attractor import Attractor
 from lsvib.dynamics.behaviour import Behaviour, behaviours
 from lsvib.dynamics.sweep import all_endings
 from lsvib.errors import InputError
-from lsvib.models.drive import Drive, names_and_values, require_direction
+from lsvib.models.drive import Drive, require_direction
 from lsvib.models.many import ManyDrives
 from lsvib.models.model import model_of
 from lsvib.models.scene import REST
+from lsvib.numbers import names_and_values
 from lsvib.stability.curves import ChartBoundary, boundary_curves
 
 _MOST = 10_000_000  # points, of which each has some hundred bytes

@@ -52,8 +52,8 @@ class Attractor(IntEnum):
     STICK_SLIP_CYCLE = 1
     SPRAG_SLIP_CYCLE = 2
     OTHER_CYCLE = 3  # a cycle of pure slip, in which nothing sticks
-    UNBOUNDED = 4  # of compliant threads, and of parts of a drive; other drives have a bounded energy
-    REST = 5  # at rest for ever, of drives that are let go: a motor that turns ends every rest
+    UNBOUNDED = 4  # only of a system that is not passive
+    REST = 5  # at rest for ever
     NEUTRAL_FAMILY = 6  # undamped oscillations side by side, each periodic, none attracting the others
 
 
@@ -236,22 +236,14 @@ def shrinks_areas(automaton: Automaton) -> bool:
 
 def facts_of(automaton: Automaton) -> rule.Facts:
     """Return what the rule needs to know of the modes and events of a model."""
-    codes, sprag_kinds = automaton.codes, np.zeros(128, dtype=bool)  # kinds of events are numbers of eight bits
-    sprag_kinds[list(automaton.sprag_kinds)] = True
-    rests, sticks = (np.isin(codes, some) for some in (automaton.rest_codes, sticking_codes(automaton)))
-    return rule.Facts(
-        rests, sticks, np.isin(codes, automaton.sprag_codes), sprag_kinds, bool(np.all(conserves(automaton)))
-    )
-
-
-def sticking_codes(automaton: Automaton) -> tuple[int, ...]:
-    """Return the codes of the modes in which friction holds the threads or another part."""
-    return (*automaton.rest_codes, *automaton.held_codes)
+    rests, held, jams = (automaton.marked(automaton.codes, mark) for mark in ("rest", "held", "jam"))
+    impacts = automaton.marked(np.arange(128), "impact")  # kinds of events are numbers of eight bits
+    return rule.Facts(rests, rests | held, jams, impacts, bool(np.all(conserves(automaton))))
 
 
 def conserves(automaton: Automaton) -> Any:
-    """Whether all modes in motion preserve areas or volumes, because nothing damps; of many drives for each (k)."""
-    return automaton.flow.conserves(~np.isin(automaton.codes, automaton.rest_codes))
+    """Whether all modes in motion preserve areas or volumes, because nothing damps; of many systems for each (k)."""
+    return automaton.flow.conserves(~automaton.marked(automaton.codes, "rest"))
 
 
 def new_found(states: int, work: float) -> rule.Found:
@@ -310,9 +302,9 @@ def _cycle(automaton: Automaton, found: rule.Found, known: KnownCycles) -> Stead
 def cycle_label(orbit: Motion) -> Attractor:
     """Return the label of a cycle that is no family: sprag–slip if it sprags, stick–slip if a part sticks, or other."""
     automaton, codes = orbit.automaton, orbit.automaton.codes[orbit.arcs()[0]]
-    if np.isin(orbit.kind, automaton.sprag_kinds).any() or np.isin(codes, automaton.sprag_codes).any():
+    if automaton.marked(orbit.kind, "impact").any() or automaton.marked(codes, "jam").any():
         return Attractor.SPRAG_SLIP_CYCLE
-    return Attractor.STICK_SLIP_CYCLE if np.isin(codes, sticking_codes(automaton)).any() else Attractor.OTHER_CYCLE
+    return Attractor.STICK_SLIP_CYCLE if automaton.marked(codes, "rest", "held").any() else Attractor.OTHER_CYCLE
 
 
 def largest(slopes: np.ndarray) -> np.ndarray:

@@ -20,7 +20,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from lsvib.dynamics.cycles import Cycle, cycle_from, named_events, same_cycle
+from lsvib.dynamics.cycles import Cycle, cycle_from, same_cycle
 from lsvib.dynamics.poincare_map import AT_REST
 from lsvib.dynamics.shooting import Build, Itinerary, Shooting, Shot, Solved, Units, alike
 from lsvib.errors import EngineError, InputError
@@ -75,15 +75,20 @@ class CycleBranch:
 
 
 def follow_cycle(
-    cycle: Cycle, build: Build, parameter: str, span: tuple[float, float], most: int, progress: Progress | None
+    cycle: Cycle,
+    build: Build,
+    parameter: str,
+    start: float,
+    span: tuple[float, float],
+    most: int,
+    progress: Progress | None,
 ) -> CycleBranch:
-    """Follow a cycle over a parameter, both ways from where it is, as far as it goes within ``span``.
+    """Follow a cycle over a parameter, both ways from its own value ``start``, as far as it goes within ``span``.
 
-    Arguments: the cycle, of the drive with the parameter at its own value; ``build`` makes drive and automaton at
-    another value; ``most`` points each way; ``progress`` is called with the number of points found, and ``most`` for a
-    way that has ended, and with twice ``most``. Raises ``InputError`` if the cycle cannot be followed at all.
+    Arguments: ``build`` makes the automaton at a value, or raises ``InputError``; ``most`` points each way;
+    ``progress`` is called with the number of points found, and ``most`` for a way that has ended, and with twice
+    ``most``. Raises ``InputError`` if the cycle cannot be followed at all.
     """
-    start = float(getattr(cycle.drive, parameter))
     (low, below), (high, above) = (_allowed(build, start, end) for end in span)
     sizes = np.abs(cycle.orbit.at(cycle.period * np.linspace(0.0, 1.0, 200))[0]).max(axis=0)
     units = Units(build, np.where(sizes == 0, 1.0, sizes), cycle.period, abs(start) or max(-low, high), (low, high))
@@ -101,13 +106,13 @@ def follow_cycle(
 
 
 def _allowed(build: Build, start: float, end: float) -> tuple[float, str]:
-    """The last value towards an end of the span at which there is a drive, and what ends there, in words."""
+    """The last value towards an end of the span at which there is a system, and what ends there, in words."""
 
     def refused(value: float) -> str:
         try:
             build(value)
         except (InputError, EngineError) as error:
-            return f"beyond, the drive is refused: {error}"
+            return f"beyond, the value is refused: {error}"
         return ""
 
     if not refused(end):
@@ -235,9 +240,9 @@ class _Walk:
             return "no further cycle is found, by Newton's method or by motions from next to its orbit"
         what = f"it {_in_words(last, beyond) or 'changes the order of its events'}"
         if last.rests and not beyond.rests:
-            what = "its slip no longer comes to rest"
+            what = "it no longer comes to rest"
         if not alike(last.motion.automaton, beyond.motion.automaton):
-            what += " as the drive gets other modes"
+            what += " as the system gets other modes"
         other = "" if nearest is None else f"; the nearest has a period of {nearest.motion.end_time:.9g} s"
         return f"{what}, and no cycle of other events is found to close on its orbit{other}"
 
@@ -383,10 +388,7 @@ def _parts(shooting: Shooting, shot: Shot) -> int:
 
 def _in_words(one: Shot, other: Shot) -> str:
     """What events a cycle has not that another one has, and the other way round; passages are none of the motion."""
-    before, after = (
-        Counter(event for event in named_events(shot.drive, shot.motion) if event[0] != "passage")
-        for shot in (one, other)
-    )
+    before, after = (Counter(shot.motion.automaton.in_words(shot.itinerary)) for shot in (one, other))
     changes = ("loses", before - after), ("gains", after - before)
     named = [(verb, ", ".join(f"{kind} into {mode}" for kind, mode in sorted(events))) for verb, events in changes]
     return " and ".join(f"{verb} {events}" for verb, events in named if events).replace("_", " ")
@@ -401,7 +403,7 @@ def _extent(shooting: Shooting, shot: Shot) -> float:
 def _cycle(solved: Shot) -> Cycle | None:
     motion = solved.motion
     start = motion.automaton, motion.start_state, motion.start_mode
-    return cycle_from(solved.drive, *start, motion.time.size, "continuation")
+    return cycle_from(*start, motion.time.size, "continuation")
 
 
 def _outside(cycle: Cycle | None) -> int:

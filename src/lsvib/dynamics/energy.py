@@ -1,20 +1,20 @@
-r"""Work per cycle: what motor and load put in, what friction, damping and impacts take out. Of every model.
+"""Work per cycle: what motor and load put in, what friction, damping and impacts take out. Of every drive.
 
-Each power is a quadratic form of (x, 1) in a mode, whose integral the flow knows to rounding
-(:meth:`lsvib.engine.flow.Linear.integral`). The terms are summed from different laws – input and load from the ends of
-the drive, friction from N and the speed of sliding, impacts from the kinetic energy – so that their balance is a check
-of the cycle.
+Each power is a quadratic form of (x, 1) in a mode (:mod:`lsvib.models.powers`), whose integral the flow knows to
+rounding. The terms are summed from different laws – input and load from the ends of the drive, friction from N and the
+speed of sliding, impacts from the kinetic energy – so that their balance is a check of the cycle.
 """
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, fields
 
 import numpy as np
 
+from lsvib.dynamics.cycles import integrals
+from lsvib.engine.automaton import product
 from lsvib.engine.motion import Motion
 from lsvib.models.drive import Drive
-from lsvib.models.powers import Powers, product
+from lsvib.models.powers import Powers
 
 
 @dataclass(frozen=True)
@@ -48,36 +48,11 @@ class Work:
         return max(-min(self.motor, self.load), 0.0) / put_in if put_in > 0 else math.nan
 
 
-def _integrals(orbit: Motion, forms: Callable[[int], Iterable[np.ndarray]]) -> np.ndarray:
-    """Return the integrals over time [s] (arcs, k) of quadratic forms by mode, over each arc of a motion."""
-    flow, arcs = orbit.automaton.flow, zip(*orbit.arcs(), strict=True)
-    return np.array([flow.integral(mode, start, float(time), [*forms(int(mode))]) for mode, start, _, time in arcs])
-
-
-def observable_integrals(orbit: Motion, names: Sequence[str]) -> np.ndarray:
-    """Return the integrals over time [s] (arcs, k) of observables by name, over each arc of a motion."""
-    own, parts, one = orbit.automaton.observables, orbit.automaton.parts, np.eye(orbit.start_state.size + 1)[-1]
-
-    def forms(mode: int) -> Iterator[np.ndarray]:
-        for name in names:
-            form = product(own[name][mode], one)
-            yield np.stack([form, product(parts[name][mode], one)]) if name in parts else form
-
-    return _integrals(orbit, forms)
-
-
 def rubbing_integrals(drive: Drive, orbit: Motion) -> np.ndarray:
     """Return ∫ μ N dt [N s] (arcs) over each arc of a motion; at rest it has no meaning."""
     rows, one = orbit.automaton.observables["normal_force"], np.eye(orbit.start_state.size + 1)[-1]
     powers = Powers(drive, orbit.automaton)
-    return _integrals(orbit, lambda mode: [powers.rubbed(product(rows[mode], one))])[:, 0]
-
-
-def means(orbit: Motion) -> dict[str, float]:
-    """Return the exact means over one period of all observables, without the impulses of seizures."""
-    names = list(orbit.automaton.observables)
-    totals = observable_integrals(orbit, names).sum(axis=0)
-    return dict(zip(names, (float(x) for x in totals / orbit.end_time), strict=True))
+    return integrals(orbit, lambda mode: [powers.rubbed(product(rows[mode], one))])[:, 0]
 
 
 def work(drive: Drive, orbit: Motion) -> Work:
@@ -92,5 +67,5 @@ def work(drive: Drive, orbit: Motion) -> Work:
         totals += found[:4]
         totals[2] += np.abs(found[4:]).sum()
     lost = np.array([powers.kinetic(x) - powers.kinetic(y) for x, y in zip(orbit.before, orbit.after, strict=True)])
-    seized = np.isin(orbit.kind, automaton.sprag_kinds)
+    seized = automaton.marked(orbit.kind, "impact")
     return Work(*map(float, [*totals, lost[seized].sum()]))

@@ -25,7 +25,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lsvib.dynamics.energy import observable_integrals, rubbing_integrals
+from lsvib.dynamics.cycles import observable_integrals
+from lsvib.dynamics.energy import rubbing_integrals
 from lsvib.engine.motion import Motion
 from lsvib.models.drive import Drive
 
@@ -52,7 +53,7 @@ def event_impulses(drive: Drive, motion: Motion) -> Impulses:
     zero for an event that is no seizure, and so in every event of compliant threads, whose contact force is finite.
     """
     automaton = motion.automaton
-    change = np.where(np.isin(motion.kind, automaton.sprag_kinds)[:, None], motion.before - motion.after, 0.0)
+    change = np.where(automaton.marked(motion.kind, "impact")[:, None], motion.before - motion.after, 0.0)
     axial, torque = (change @ row for row in balances(dict(drive), automaton.states))
     normal = axial * math.cos(drive.lead_angle) - torque / drive.pitch_radius * math.sin(drive.lead_angle)
     return Impulses(normal=normal, axial=axial, torque=torque)
@@ -87,7 +88,7 @@ def mean_load(drive: Drive, orbit: Motion) -> np.ndarray:
     force = automaton.observe("normal_force", starts, modes) + automaton.observe("normal_force", ends, modes)
     law = np.sign(force * (2 * drive.input_speed + starts[:, 1] + ends[:, 1]))
     rubbed = law * rubbing_integrals(drive, orbit)
-    rests = np.isin(automaton.codes[modes], automaton.rest_codes)
+    rests = automaton.marked(automaton.codes[modes], "rest")
     axial = np.where(rests, drive.axial_force * durations, normal * cosine + rubbed * sine)
     torque = np.where(rests, torque, drive.pitch_radius * (rubbed * cosine - normal * sine))
     impulsive = np.abs(impulses.normal).sum()

@@ -227,7 +227,7 @@ def _norm(lost: np.ndarray) -> float:
 def _scatter(section: Section, orbit: Motion, slopes: np.ndarray) -> np.ndarray:
     """Return the rounding of P′ (d, d) as second differences between places side by side show it; nan without them.
 
-    That of the tables, which all places share, is a relative change of the drive by it, and is added.
+    That of the tables, which all places share, is a relative change of the system by it, and is added.
     """
     place, found = section.place(orbit.start_state), []
     for k in range(5):

@@ -1,6 +1,6 @@
 r"""The equations of a cycle over a parameter, by shooting from the middle of one of its arcs.
 
-The unknowns are the state x (n) there, the period T and the parameter p, with the flow φ_T of the drive at p:
+The unknowns are the state x (n) there, the period T and the parameter p, with the flow φ_T of the system at p:
 
     φ_T(x, p) − x = 0,        f₀ᵀ (x − x₀) = 0,
 
@@ -17,7 +17,6 @@ from functools import cached_property
 
 import numpy as np
 
-from lsvib.dynamics.attractor import sticking_codes
 from lsvib.dynamics.kernels import single_mode
 from lsvib.dynamics.kernels.saltation import crossed_guard
 from lsvib.dynamics.machine import of_one_type
@@ -26,8 +25,6 @@ from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels.layout import GRAZE_KIND, Status
 from lsvib.engine.motion import Budget, Motion, enter, follow
 from lsvib.errors import EngineError, InputError
-from lsvib.models.drive import Drive
-from lsvib.models.names import Event
 
 _MOST_WORK = 100_000  # of a period, in events: a second under a friction law
 _ROUNDED = 1e-12  # change of a state over a period that is rounding, relative to the growth of neighbours
@@ -35,7 +32,7 @@ _CLOSED = 1e-14  # the same, where it is as small as it may be
 _STEEP = 1e3  # rate at the end of an arc, relative to its middle, beyond which it grows without bound
 _DIFFERENCE = 1e-9  # step in q of the derivative by the parameter
 
-Build = Callable[[float], tuple[Drive, Automaton]]
+Build = Callable[[float], Automaton]  # at a value of the parameter
 Itinerary = tuple[tuple[int, int], ...]
 
 
@@ -65,27 +62,27 @@ class Units:
 
 @dataclass(frozen=True)
 class Shot:
-    """The motion over one period T from a place z = (x, T, q), of the drive there."""
+    """The motion over one period T from a place z = (x, T, q), of the system there."""
 
     z: np.ndarray
-    drive: Drive
     motion: Motion
 
     @cached_property
     def itinerary(self) -> Itinerary:
         """Its events, (kind, code of the mode that is entered), without touches and without passages.
 
-        A passage divides a friction law, not the motion.
+        A passage divides the tables, not the motion.
         """
-        own = ~np.isin(self.motion.kind, (GRAZE_KIND, Event.PASSAGE))
-        codes = self.motion.automaton.codes[self.motion.mode[own]]
-        return tuple(zip(self.motion.kind[own].tolist(), codes.tolist(), strict=True))
+        automaton, kinds = self.motion.automaton, self.motion.kind
+        own = ~(automaton.marked(kinds, "passage") | (kinds == GRAZE_KIND))
+        codes = automaton.codes[self.motion.mode[own]]
+        return tuple(zip(kinds[own].tolist(), codes.tolist(), strict=True))
 
     @property
     def rests(self) -> bool:
-        """Whether the threads rest on the way."""
+        """Whether it rests on the way."""
         automaton = self.motion.automaton
-        return bool(np.isin(automaton.codes[self.motion.mode], automaton.rest_codes).any())
+        return bool(automaton.marked(automaton.codes[self.motion.mode], "rest").any())
 
 
 @dataclass(frozen=True)
@@ -102,7 +99,7 @@ class Shooting:
     def __init__(self, units: Units, cycle: Motion) -> None:
         modes, _, _, durations = cycle.arcs()
         codes = cycle.automaton.codes[modes]
-        moves = ~np.isin(codes, sticking_codes(cycle.automaton))
+        moves = ~cycle.automaton.marked(codes, "rest", "held")
         arc = int(np.argmax(np.where(moves, durations, 0.0) if moves.any() else durations))
         begins = float(durations[:arc].sum()) + 0.5 * float(durations[arc])
         (state,), (mode,) = cycle.at([begins])
@@ -115,11 +112,11 @@ class Shooting:
         return np.asarray(rate_of(automaton, mode, state) / self.units.size * self.units.period)
 
     def at(self, z: np.ndarray, settled: bool = False) -> Shot | None:
-        """The motion over T from a place; None where the engine has no answer, no drive is, or it has ``settled``."""
+        """The motion over T from a place; None where the engine has no answer, no system is, or it has ``settled``."""
         if not (z[-2] > 0 and self.units.holds(z[-1])):
             return None
         try:
-            drive, automaton = self.units.build(self.units.value(z))
+            automaton = self.units.build(self.units.value(z))
             state = z[:-2] * self.units.size
             motion = follow(
                 automaton, state, z[-2] * self.units.period, mode=_mode(automaton, self.code, state),
@@ -128,7 +125,7 @@ class Shooting:
         except (EngineError, InputError):
             return None
         lasts = motion.time.size and motion.status == Status.TIME_REACHED
-        return Shot(z, drive, motion) if lasts or settled else None
+        return Shot(z, motion) if lasts or settled else None
 
     def across(self, shot: Shot) -> float:
         """The cosine between a motion at its end and the normal of the plane."""
@@ -153,7 +150,7 @@ class Shooting:
         return np.vstack([np.column_stack([inner, rate, slope]), [*self.normal, 0.0, 0.0]])
 
     def directed(self, shot: Shot, way: np.ndarray) -> Solved | None:
-        """A cycle with its tangent along a way that it was come to; None where there is no drive beside it.
+        """A cycle with its tangent along a way that it was come to; None where there is no system beside it.
 
         A way may be of other equations, in which T and q alone are the same.
         """
@@ -162,7 +159,7 @@ class Shooting:
         if slope is None or not np.isfinite(matrix).all():
             return None
         tangent, k = _null_direction(matrix), -min(way.size, shot.z.size)
-        return Solved(shot.z, shot.drive, shot.motion, -tangent if tangent[k:] @ way[k:] < 0 else tangent, slope)
+        return Solved(shot.z, shot.motion, -tangent if tangent[k:] @ way[k:] < 0 else tangent, slope)
 
     def _slope(self, shot: Shot) -> np.ndarray | None:
         """The derivative (n) of φ_T by q, there or, where tables are of another form from there on, next to it."""
@@ -199,7 +196,7 @@ class Shooting:
             step = newton_step(np.vstack([matrix, row]), -np.append(gap, row @ (z - guess)))
             if step is None:
                 return None
-            step[-1] = 0.0 if across is None else step[-1]  # to the last bit, so that no other drive is made
+            step[-1] = 0.0 if across is None else step[-1]  # to the last bit, so that no other system is made
             length = float(np.abs(step).max())
             left = np.abs(gap).max() / max(1.0, np.abs(matrix[:-1, :-2]).max())
             stalls += left <= _ROUNDED and length <= CLOSE and length > 0.5 * last
@@ -212,7 +209,7 @@ class Shooting:
         else:
             return None
         tangent = _null_direction(matrix)
-        return Solved(z, shot.drive, shot.motion, tangent if tangent @ row >= 0 else -tangent, slope)
+        return Solved(z, shot.motion, tangent if tangent @ row >= 0 else -tangent, slope)
 
     def here(self, period: float, value: float, way: np.ndarray) -> Solved | None:
         """The cycle that they are made from, of a period at a value, with its tangent along a way in T and q."""
@@ -250,7 +247,7 @@ def variations(motion: Motion, beside: Automaton, step: float) -> np.ndarray:
         steep = happens and np.abs(rate).max() > _STEEP * np.abs(rate_of(automaton, mode, middle)).max()
         flow = derivative(_arc(automaton, mode, start, duration)).matrix
         total = flow @ total
-        if steep:  # friction jams the threads: rates are as the flow carries them, arcs go up to their events
+        if steep:  # the motion jams: rates are as the flow carries them, arcs go up to their events
             rate = flow @ rate_of(automaton, mode, start)
         else:
             (there,), _ = _arc(beside, mode, start, math.inf).at([duration])

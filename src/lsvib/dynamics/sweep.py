@@ -22,7 +22,6 @@ from lsvib.dynamics.attractor import (
     orbit_extremes,
     records,
     steady_state,
-    sticking_codes,
 )
 from lsvib.dynamics.impulses import balances, event_impulses
 from lsvib.dynamics.kernels import sweep as kernels
@@ -79,10 +78,10 @@ def ending_of(drive: Drive, automaton: Automaton, state: np.ndarray) -> Any:
         ending.amplitude = np.nan
     ending.happens = (
         SPRAGS * (found.label == Attractor.SPRAG_SLIP_CYCLE)
-        + STICKS * bool(np.isin(automaton.codes[orbit.arcs()[0]], sticking_codes(automaton)).any())
+        + STICKS * bool(automaton.marked(automaton.codes[orbit.arcs()[0]], "rest", "held").any())
         + REVERSES * bool((orbit.kind == Event.CONTACT_REVERSAL).any())
     )
-    if np.isin(orbit.kind, automaton.sprag_kinds).any():
+    if automaton.marked(orbit.kind, "impact").any():
         ending.peak_normal_impulse = np.abs(event_impulses(drive, orbit).normal).max()
     ending.period, ending.multiplier = found.period, found.multiplier
     return ending

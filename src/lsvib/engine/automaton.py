@@ -1,7 +1,7 @@
 """From a model in words – surfaces, modes, transitions – to the tables that the engine runs.
 
 Every number may be a ball (``flint.arb``); it is rounded to double once, here. It may also be an array of doubles, the
-numbers of many drives; then all tables of doubles have one more axis, the first, for the drives.
+numbers of many systems; then all tables of doubles have one more axis, the first, for the systems.
 """
 
 from collections.abc import Iterable, Mapping, Sequence, Sized
@@ -16,7 +16,7 @@ from lsvib.engine.flow import Flow, flow_of
 from lsvib.engine.kernels.layout import Tables, Test
 from lsvib.errors import EngineError
 
-# Part of a drive's shortest time scale below which a stay counts as short: some hundred roundings of a time.
+# Part of a system's shortest time scale below which a stay counts as short: some hundred roundings of a time.
 SHORT_STAY = 1e-13
 
 
@@ -75,12 +75,13 @@ class Automaton:
     ``observables[name]`` has shape (modes, n + 1): the affine function of the state that gives the quantity in each
     mode; under a friction law ``parts[name]`` of it counts η times (:class:`lsvib.engine.kernels.layout.TaylorFlow`).
     ``condition`` is the largest amplification of rounding by the modal form of a mode, 1 without one.
-    ``rest_codes`` are the codes of the modes at rest, ``held_codes`` those of others in which friction holds a part,
-    and ``release_kinds`` the kinds of the events that end rest; a motion sprags in modes of ``sprag_codes`` and at
-    events of ``sprag_kinds``. ``stands``: an equilibrium is rest, whatever its mode. The model vouches for two facts:
-    ``passive``, energy enters as the work of constant forces only, so that no motion grows faster than in proportion to
-    time; ``contracts``, slip makes every area of the phase plane smaller, or leaves every one as it is, and passing
-    θ′ = 0 makes none larger (see docs/attraction.md).
+    ``modes`` and ``events`` name the codes of modes and the kinds of events. ``marks`` says what some of them are, from
+    which labels of attractors are made: codes of modes at ``rest``, of others in which something is ``held``, and of
+    those in which a motion sprags, ``jam``; kinds of events at which it does at once, ``impact``, and of those that
+    divide the tables and not the motion, ``passage``. ``stands``: an equilibrium is rest, whatever its mode. The model
+    vouches for two facts: ``passive``, energy enters as the work of constant forces only, so that no motion grows
+    faster than in proportion to time; ``contracts``, slip makes every area of the phase plane smaller, or leaves every
+    one as it is, and coming to rest or passing it makes none larger (see docs/attraction.md).
     """
 
     tables: Tables = field(repr=False)
@@ -89,11 +90,9 @@ class Automaton:
     observables: dict[str, np.ndarray] = field(repr=False)
     parts: dict[str, np.ndarray] = field(repr=False, default_factory=dict)
     condition: float = 1.0
-    rest_codes: tuple[int, ...] = ()
-    held_codes: tuple[int, ...] = ()
-    release_kinds: tuple[int, ...] = ()
-    sprag_codes: tuple[int, ...] = ()
-    sprag_kinds: tuple[int, ...] = ()
+    modes: Mapping[int, str] = field(repr=False, default_factory=dict)
+    events: Mapping[int, str] = field(repr=False, default_factory=dict)
+    marks: Mapping[str, frozenset[int]] = field(default_factory=dict)
     stands: bool = False
     passive: bool = False
     contracts: bool = False
@@ -111,6 +110,14 @@ class Automaton:
             found = found + self.flow.share(states, modes) * affine(self.parts[name][modes], states)
         return found
 
+    def marked(self, numbers: np.ndarray, *marks: str) -> np.ndarray:
+        """Whether codes of modes, or kinds of events, have one of some marks (k)."""
+        return np.isin(numbers, [number for mark in marks for number in self.marks.get(mark, ())])
+
+    def in_words(self, events: Iterable[tuple[int, int]]) -> tuple[tuple[str, str], ...]:
+        """Return the names of events and of the modes that they enter, from kinds and codes."""
+        return tuple((self.events.get(int(kind), str(kind)), self.modes[int(code)]) for kind, code in events)
+
     def functional(self, name: str) -> np.ndarray:
         """Return an observable for :func:`lsvib.engine.kernels.event_loop.extremes_of_arcs`, a row for each mode."""
         own = self.observables[name]
@@ -120,6 +127,11 @@ class Automaton:
 def affine(rows: np.ndarray, states: np.ndarray) -> np.ndarray:
     """Return affine functions (k, n + 1) at states (k, n)."""
     return np.asarray(np.einsum("ki,ki->k", rows[:, :-1], states) + rows[:, -1])
+
+
+def product(left: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """Return the product of two rows as a symmetric form."""
+    return 0.5 * (np.outer(left, right) + np.outer(right, left))
 
 
 def assemble(
@@ -179,6 +191,7 @@ def assemble(
         states=states,
         observables={name: _rows([rows[mode] for mode in modes], n) for name, rows in observables.items()},
         parts={name: _rows([rows[mode] for mode in modes], n) for name, rows in (parts or {}).items()},
+        modes={mode.code: name for name, mode in reversed(modes.items())},  # a law may divide one
         condition=np.max([own.condition for own in flows], axis=0),
         **facts,
     )

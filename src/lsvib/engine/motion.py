@@ -29,7 +29,7 @@ class Budget:
     """Work that may still be spent on runs, ``left`` [1], in units of one ordinary event.
 
     Runs draw on it by their number of events and by the steps of the search for them, so it bounds time whatever the
-    drive, and its results do not depend on the machine. It is one for many runs, which all count down the same number.
+    system, and its results do not depend on the machine. It is one for many runs, which all count down the same number.
     """
 
     def __init__(self, left: float) -> None:
@@ -151,7 +151,7 @@ def follow(
     if status == Status.WORK_SPENT and budget is None:
         raise WorkSpentError(
             f"the motion takes more than {_MANY_STEPS:,} steps by its event after t = {end_time:.6g} s; shorten the "
-            "duration or, if rates of the drive lie far apart, take larger masses, or smaller stiffness and damping."
+            "duration or, if rates lie far apart, take larger inertias, or smaller stiffness and damping."
         )
     _complain(Status(status), end_time, state, most if max_events is None else None)
     columns = [np.concatenate(column) for column in zip(*pieces, strict=True)] if len(pieces) > 1 else pieces[0]
@@ -192,8 +192,8 @@ def _complain(status: Status, time: float, state: np.ndarray, most: int | None) 
         )
     if status == Status.NO_BRANCH:
         raise EngineError(
-            f"no branch of a transition fits {where}: where friction grows with speed it has reached the Painlevé "
-            "region, and what follows is not determined; elsewhere this is a fault of the model, please report it."
+            f"no branch of a transition fits {where}: under a friction law that grows with speed it has reached the "
+            "Painlevé region, and what follows is not determined; else this is a fault of the model, please report it."
         )
     raise EngineError(f"the clock left the range of numbers ({where}).")
 

@@ -13,8 +13,9 @@ from matplotlib.colors import to_rgba_array
 
 from lsvib.basins.curves import Window
 from lsvib.basins.grid import Axis, Grid
-from lsvib.basins.mapper import Mapper, mapper
+from lsvib.basins.mapper import Mapper
 from lsvib.datasets.io import write_dataset
+from lsvib.datasets.map import mapper
 from lsvib.datasets.motion import Simulation
 from lsvib.datasets.phase_plane import sample
 from lsvib.datasets.spans import stepped

@@ -4,8 +4,8 @@ from typing import Annotated, Literal
 
 from pydantic import Discriminator, Field, Tag
 
-from lsvib.basins.grid import coordinates
 from lsvib.figures.settings import Cells, FigureSettings, Unique, refusing
+from lsvib.models.model import coordinates
 from lsvib.pictures.attraction import draw as draw
 
 CAPTION = """\

@@ -69,7 +69,7 @@ def _numbers(steady: SteadyState) -> list[float]:
         return [np.nan] * len(_NUMBERS)
     automaton = steady.orbit.automaton
     deflection = automaton.observables["coupling_deflection"]
-    sprags = np.isin(automaton.codes, automaton.sprag_codes)
+    sprags = automaton.marked(automaton.codes, "jam")
     return [
         steady.extremes(deflection)[1],
         orbit_extremes(steady.orbit, deflection, sprags)[1],

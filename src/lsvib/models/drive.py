@@ -15,7 +15,7 @@ from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.errors import InputError
 from lsvib.models import friction, pairings
 from lsvib.models.complaints import Least, allowed_range, bounds_of, sentence_about
-from lsvib.numbers import NotNumber, number, shown, whole
+from lsvib.numbers import NotNumber, names_and_values, number, shown, whole
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -342,25 +342,6 @@ def _resolved(values: dict[str, Any]) -> dict[str, Any]:
         raise InputError(f"lead_angle_deg = {shown(given)} is outside the allowed range {allowed}.")
     rest = {key: value for key, value in values.items() if key != "lead_angle_deg"}
     return {**rest, "lead_angle": math.radians(degrees)}
-
-
-_EXAMPLES = {
-    "drive": ", such as mass: 11.0",
-    "start": ", such as u: 0.1 and w: 0.0, and is not rest",
-    "command": ", such as times: [0, 1] and speeds: [0, 40]",
-}
-
-
-def names_and_values(name: str, given: Any) -> dict[str, Any]:
-    """Return a mapping of names as a dictionary, None as an empty one; ``InputError`` for anything else."""
-    if given is None:
-        return {}
-    if not isinstance(given, Mapping):
-        raise InputError(f"{name} = {shown(given)} does not hold names and values{_EXAMPLES.get(name, '')}.")
-    for key in given:
-        if not isinstance(key, str):
-            raise InputError(f"{shown(key)} is not a known key of {name}: keys are names.")
-    return dict(given)
 
 
 def changed(given: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:

@@ -58,8 +58,8 @@ class Model:
     ``rigid``: whether they are rigid drives of the chapter, without parts and without friction against the ground.
 
     A start gives u [rad] and w [rad/s], the keys ``required``, and may give those of ``optional``, one for each of the
-    further coordinates among ``states``. ``modes`` and ``events`` name the codes of datasets. ``terms`` are the
-    parameters that a scene may leave out (then they must be zero), ``outputs`` its observables.
+    further coordinates among ``states``; ``keys`` are both. ``modes`` and ``events`` name the codes of datasets.
+    ``terms`` are the parameters that a scene may leave out (then they must be zero), ``outputs`` its observables.
 
     ``constraint`` is the equation of the kinematic constraint in words; ``thresholds`` are the names of those that can
     be solved for a parameter (of two states there is no flutter), ``curves`` those of the exact curves in its charts; a
@@ -75,6 +75,7 @@ class Model:
         self.states = tuple(name for part in ("screw", *parts) for name in COORDINATES[part])
         short = {"thread_mismatch": "e", "mismatch_rate": "v"}
         self.optional = tuple(short.get(name, name) for name in self.states[len(self.required) :])
+        self.keys = (*self.required, *self.optional)
         dampers = (PARTS[part][-1] for part in parts)
         self.terms: tuple[str, ...] = ("support_damping", "translation_damping", "axial_force", *dampers, *dry)
         self.outputs: tuple[str, ...] = ("normal_force", "coupling_torque", "coupling_deflection", "screw_speed")
@@ -95,29 +96,24 @@ class Model:
         codes = {name.upper(): code for code, name in enumerate(names)}
         return cast(type[IntEnum], IntEnum("MotionMode", codes))
 
-    def start(self, drive: Drive, values: Mapping[str, float]) -> np.ndarray:
-        """Return the state of a start; what is not given is as in steady sliding."""
-        state = seated_state(drive, values["u"], values["w"]) if self.compliant else np.zeros(len(self.states))
-        given = [values.get(key) for key in (*self.required, *self.optional)]
-        return np.array([x if value is None else value for value, x in zip(given, state, strict=True)], dtype=float)
-
     def from_rest(self, drive: Drive) -> dict[str, float]:
         """Return the start at which the screw stands with the coupling relaxed while the motor begins to turn at Ω."""
-        return dict(zip((*self.required, *self.optional), standing_state(drive).tolist(), strict=True))
+        return dict(zip(self.keys, standing_state(drive).tolist(), strict=True))
 
     def physics_of(self, drive: Drive) -> tuple[str, ...]:
         """Return the words of all that a drive has: its terms that are not zero."""
         return tuple(term for term in self.terms if getattr(drive, term) != 0)
 
     def initial_state(self, drive: Drive, values: Mapping[str, float]) -> np.ndarray:
-        """Return the state of a start; ``InputError`` if a required key is missing or a key is not known."""
-        known = (*self.required, *self.optional)
-        if not set(self.required) <= set(values) <= set(known):
+        """Return the state of a start, else as in steady sliding; ``InputError`` if a key is missing or not known."""
+        if not set(self.required) <= set(values) <= set(self.keys):
             optional = f", and may have {' and '.join(self.optional)}" if self.optional else ""
             raise InputError(
                 f"start has the keys {', '.join(values) or 'none'}; it needs {' and '.join(self.required)}{optional}."
             )
-        return self.start(drive, values)
+        state = seated_state(drive, values["u"], values["w"]) if self.compliant else np.zeros(len(self.states))
+        given = [values.get(key) for key in self.keys]
+        return np.array([x if value is None else value for value, x in zip(given, state, strict=True)], dtype=float)
 
 
 _of_parts = cache(Model)
@@ -148,4 +144,4 @@ def automaton_of(drive: Drive, resume: Resume = "contact_sign", command: Command
 def coordinates() -> dict[str, str]:
     """Return the names that the coordinates of all parts have in automata and datasets, by the keys of a start."""
     whole = Model(tuple(PARTS), ())
-    return dict(zip((*whole.required, *whole.optional), whole.states, strict=True))
+    return dict(zip(whole.keys, whole.states, strict=True))

@@ -172,10 +172,11 @@ class Modes:
         parts = self._parts(modes, seen)
         moving = [self.name(key) for key in (self.slips if self.planar else keys)]
         scales = [0.0] if m.compliant else [x for name in moving for x in modes[name].flow.time_scales]
-        facts: dict[str, Any] = {"passive": not m.compliant, "sprag_kinds": () if m.compliant else (Event.SEIZURE,)}
-        facts |= {"stands": not m.turning, "contracts": self._contracts()}
+        marked = {"rest": self.rests, "held": [key for key in self.slips if 0 in key[2]]}
         if m.compliant and self.paradox:  # motions sprag under law s = +1
-            facts["sprag_codes"] = tuple(self.codes[self.name(key)] for key in self.slips if key[0] * key[1] > 0)
+            marked["jam"] = [key for key in self.slips if key[0] * key[1] > 0]
+        marks = {mark: frozenset(self.codes[self.name(key)] for key in keys) for mark, keys in marked.items()}
+        marks |= {"impact": frozenset(() if m.compliant else [Event.SEIZURE]), "passage": frozenset([Event.PASSAGE])}
         return dict(
             states=m.states,
             surfaces=self.surfaces,
@@ -184,10 +185,11 @@ class Modes:
             observables={name: {mode: rows[name] for mode, rows in seen.items()} for name in seen[next(iter(seen))]},
             parts=parts,
             shortest_stay=SHORT_STAY * np.minimum.reduce(np.broadcast_arrays(*scales)),
-            rest_codes=tuple(self.codes[self.name(key)] for key in self.rests),
-            held_codes=tuple(self.codes[self.name(key)] for key in self.slips if 0 in key[2]),
-            release_kinds=(Event.RELEASE,),
-            **facts,
+            events={int(event): event.name.lower() for event in Event},
+            marks=marks,
+            stands=not m.turning,
+            passive=not m.compliant,
+            contracts=self._contracts(),
         )
 
     def _mode(self, key: Key, guards: tuple[Guard, ...]) -> Mode:

@@ -3,18 +3,15 @@
 import math
 from collections.abc import Iterator
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from lsvib.engine.automaton import Automaton, product
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.models.drive import PARTS, Drive
 from lsvib.models.friction import depends_on_speed
 from lsvib.models.mechanism import Mechanism
 from lsvib.models.names import BODIES, COORDINATES, is_under_law_plus
-
-if TYPE_CHECKING:
-    from lsvib.engine.automaton import Automaton
 
 
 class Powers:
@@ -27,8 +24,9 @@ class Powers:
     pair of forms, the second of which counts η times.
     """
 
-    def __init__(self, drive: Drive, automaton: "Automaton") -> None:
+    def __init__(self, drive: Drive, automaton: Automaton) -> None:
         self.drive, self.automaton = drive, automaton
+        self.rests = automaton.marked(automaton.codes, "rest")
         unit = np.eye(len(automaton.states) + 1)
         self.one = unit[-1]
         self.rates = dict(zip(automaton.states, unit[:-1], strict=True))
@@ -95,7 +93,7 @@ class Powers:
         if not self.parting.any():
             return 0 * product(self.one, self.one)
         normal = self.row("normal_force", mode)
-        if self.automaton.codes[mode] in self.automaton.rest_codes:
+        if self.rests[mode]:
             return product(self.row("axial_contact_force", mode) - self.cosine * normal, self.parting)
         sliding = self.drive.pitch_radius / self.cosine * self.slip + self.sine * self.parting
         law = 1 if is_under_law_plus(int(self.automaton.codes[mode])) else -1
@@ -103,7 +101,7 @@ class Powers:
 
     def friction(self, mode: int) -> Iterator[np.ndarray]:
         """Yield powers [W] of friction that keep their sign in a mode; their size is what friction takes out."""
-        if not self.parting.any() and self.automaton.codes[mode] not in self.automaton.rest_codes:
+        if not (self.parting.any() or self.rests[mode]):
             form = product(self.row("normal_force", mode), self.slip)
             yield self.rubbed(self.drive.pitch_radius / self.cosine * form)
         if collar := self.drive.collar_friction * self.drive.collar_radius:
@@ -122,8 +120,3 @@ class Powers:
         """Return the kinetic energy [J] at a state."""
         x = np.append(state, 1.0)
         return float(0.5 * sum(getattr(self.drive, inertia) * (speed @ x) ** 2 for inertia, speed, *_ in self.bodies()))
-
-
-def product(left: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """Return the product of two rows as a symmetric form."""
-    return 0.5 * (np.outer(left, right) + np.outer(right, left))

@@ -11,9 +11,10 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, SerializeAsA
 from lsvib.errors import InputError
 from lsvib.models.command import Command
 from lsvib.models.complaints import sentence_about
-from lsvib.models.drive import Drive, Number, Whole, names_and_values
+from lsvib.models.drive import Drive, Number, Whole
 from lsvib.models.model import Model, model_of
 from lsvib.models.names import Resume
+from lsvib.numbers import names_and_values
 
 REST = "rest"  # a start, in place of coordinates
 

@@ -23,7 +23,7 @@ class Facts(NamedTuple):
     """What the modes and events of a model mean."""
 
     rests: np.ndarray  # (m,) modes at rest
-    sticks: np.ndarray  # (m,) these, and modes in which friction holds a part
+    sticks: np.ndarray  # (m,) these, and modes in which something is held
     sprag_modes: np.ndarray  # (m,)
     sprag_kinds: np.ndarray  # (128,)
     conserves: bool  # all modes in motion preserve volumes, because nothing damps

@@ -7,8 +7,8 @@ earlier or later; seen from event to event, with the field f before it and the a
 
 is the derivative of the state after the event with respect to that after the one before. Times and the field after the
 event do not enter: the product over a period is the derivative of the Poincaré map, whose eigenvalues are the Floquet
-multipliers without the trivial 1. (With it, the saltation matrix is R + (f⁺ − R f) gᵀ / gᵀf.) Release from rest of the
-rigid drive has g = ±(1, 0) and f = (−Ω, 0), so that D is zero: a rest phase makes a cycle superstable.
+multipliers without the trivial 1. (With it, the saltation matrix is R + (f⁺ − R f) gᵀ / gᵀf.) Release from rest with
+two states has g = ±(1, 0) and f = (−Ω, 0), so that D is zero: a rest phase makes a cycle superstable.
 
 Every matrix comes with a bound of its rounding, entry by entry.
 """
@@ -54,7 +54,7 @@ def _event(tables, mode, kind, after, before, carried, unsure, out, lost):
     """Write R (I − f gᵀ / gᵀf) of an event that ends ``mode`` in the state ``before``, and its rounding; nan if none.
 
     f is also what the flow makes of the field at its start, ``carried`` (n), which is ``unsure`` (n) by rounding. Where
-    friction jams the threads f grows without bound, and within the last place of a time both differ: what goes with
+    a motion jams f grows without bound, and within the last place of a time both differ: what goes with
     the derivative of the flow is then the field that it carries.
 
     There is none where the field only touches the surface, or infinitely many events end.

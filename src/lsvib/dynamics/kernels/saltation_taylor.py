@@ -85,15 +85,15 @@ def _carry(flow, mode, piece, series, column, step, total, room):
         room[i, 0] = total[i, column]
     sigma, contact = parts[POWER], parts[MU]  # are not needed any more
     for k in range(ORDER):
-        drive = 0.0
+        pushed = 0.0
         if piece >= 0:
             sigma[k] = contact[k] = 0.0
             for i in range(n):
                 sigma[k] += flow.speed[mode, i] * room[i, k]
                 contact[k] += flow.contact[mode, i] * room[i, k]
-            drive = product(parts[ETA], contact, 0, k) + product(parts[STEEP], sigma, 0, k)
+            pushed = product(parts[ETA], contact, 0, k) + product(parts[STEEP], sigma, 0, k)
         for i in range(n):
-            value = flow.push[mode, i] * drive
+            value = flow.push[mode, i] * pushed
             for j in range(n):
                 value += flow.field[mode, i, j] * room[j, k]
             room[i, k + 1] = unit * value / (k + 1)

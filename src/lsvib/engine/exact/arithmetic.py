@@ -1,6 +1,6 @@
 """The one exact arithmetic: balls of FLINT (Arb), a midpoint and a radius, and what formulas need of any number.
 
-A formula that is written once serves balls (``flint.arb``), arrays of doubles, which hold the numbers of many drives,
+A formula that is written once serves balls (``flint.arb``), arrays of doubles, which hold the numbers of many systems,
 and power series (``flint.arb_series``), which carry derivatives. It decides by :func:`sign` alone, which is certain.
 """
 
@@ -19,7 +19,7 @@ DIGITS = 150  # with rates thirty decades apart, a product of four of their diff
 
 Number = Any  # arb, arb_series, an array of doubles, or a float or int
 Row = Sequence[Number]  # an affine function of the state, the constant last
-_precision = RLock()  # FLINT has one precision for all threads
+_precision = RLock()  # FLINT has one precision for all of a process
 
 
 class Divided(Exception):
@@ -68,7 +68,7 @@ def sign(number: Number, parameter: str = "a parameter") -> int:
     if value == 0:
         return 0
     raise EngineError(
-        f"{DIGITS} digits do not determine on which side of a limit the drive lies; change {parameter} a little."
+        f"{DIGITS} digits do not determine on which side of a limit the system lies; change {parameter} a little."
     )
 
 

@@ -1,8 +1,8 @@
-"""Modal forms of one mode of many drives at once, in arrays of extended precision: the tables of a sweep.
+"""Modal forms of one mode of many systems at once, in arrays of extended precision: the tables of a sweep.
 
 They are those of :mod:`lsvib.engine.exact.modal_form` to 1e-12, or they are refused: the condition of a form that does
-not hold so many digits is infinite, and that drive is made in balls. LAPACK finds the eigenvectors to double precision;
-two steps of Newton's method for all of them at once – X ← X (1 + F) with F_ij = (Y A X)_ij / (λ_j − λ_i), Y = X⁻¹ –
+not hold so many digits is infinite, and that system is made in balls. LAPACK finds the eigenvectors to doubles; two
+steps of Newton's method for all of them at once – X ← X (1 + F) with F_ij = (Y A X)_ij / (λ_j − λ_i), Y = X⁻¹ –
 double the digits each, up to those of ``np.longdouble``.
 """
 
@@ -24,7 +24,7 @@ _ROUND = 1e-3  # β of a pair over |λ|: three digits are lost where its two rat
 
 @dataclass(frozen=True)
 class ModalModes:
-    """One mode of k drives with n states, in modal form: its ``flow`` with the drives along the first axis (k).
+    """One mode of k systems with n states, in modal form: its ``flow`` with the systems along the first axis (k).
 
     ``coordinates``: number of modal ones; ``exact``: V and v₀ before they were rounded; ``condition`` (k) is infinite
     where a form does not hold to 1e-12.
@@ -59,7 +59,7 @@ def table(rows: Sequence[Sequence[Any]]) -> np.ndarray:
 
 
 def modal_modes(rows: Sequence[Sequence[Any]], sizes: Sequence[Any], kept: Mapping[int, Any]) -> ModalModes:
-    """Return a mode of many drives: rows of A and b (n, n + 1), sizes (n) and kept values are arrays (k) or numbers."""
+    """Return a mode of many systems: rows of A and b (n, n + 1), sizes (n), kept values are arrays (k) or numbers."""
     field = table(rows)
     many, n = field.shape[:2]
     size = np.broadcast_to(np.maximum(table([sizes])[:, 0], np.finfo(float).tiny), (many, n))
@@ -195,7 +195,7 @@ def _single(rates: np.ndarray, i: int, left: np.ndarray, right: np.ndarray, push
     row, vector = left * factor, right / factor
     own, terms = (row * push).sum(axis=1), np.abs(row * push).sum(axis=1)
     own[np.abs(own) <= _NOTHING * terms] = 0
-    # As for one drive: the equilibrium of a slow exponential may lie far away, and then it is carried without it.
+    # As for one system: the equilibrium of a slow exponential may lie far away, and then it is carried without it.
     sizes = np.abs(rates)
     larger = np.where(sizes > (1 + 1e-12) * np.abs(rate)[:, None], sizes, np.inf).min(axis=1)
     slow = np.isfinite(larger) & (larger > SLOW * np.abs(rate))

@@ -144,7 +144,7 @@ class _Frame(NamedTuple):
     vectors: arb_mat
 
 
-@lru_cache(maxsize=8)  # with all frictions the modes of a model have six matrices
+@lru_cache(maxsize=8)  # of a model, whose modes have six matrices at most
 def _spaces(rows: tuple[Any, ...], scale: tuple[float, ...]) -> list[tuple[Subspace, _Frame | None]]:
     """Return the subspaces of a matrix, by its rows of midpoints (mantissa, exponent), with the frames of pairs.
 

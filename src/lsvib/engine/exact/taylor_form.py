@@ -15,7 +15,7 @@ class TaylorMode:
     """One mode of a :class:`lsvib.engine.kernels.layout.TaylorFlow`: its tables in doubles.
 
     ``pieces`` (p, PIECE), none where the mode does not slip. ``settled``: x₀, S and L of the region that no motion
-    leaves. Of many drives any table may have one more axis for them, the first.
+    leaves. Of many systems any table may have one more axis for them, the first.
     """
 
     field: np.ndarray
@@ -105,7 +105,7 @@ class Split:
 
 
 def _together(tables: Sequence[Any], dimensions: int) -> np.ndarray:
-    """Put tables of so many dimensions for one drive together along a new axis before these."""
+    """Put tables of so many dimensions for one system together along a new axis before these."""
     return np.stack(np.broadcast_arrays(*tables), axis=-1 - dimensions)
 
 
@@ -117,7 +117,7 @@ def settled_region(
     ``guards`` (n + 1 each) are positive in the mode, and ``place`` (n) is x₀, its equilibrium. With the linear field A
     there, Aᵀ S + S A = −W, and what is left of the field, d (Δη q̃ + q₀ (Δη − η′ σ̃)), is bounded by the first two
     derivatives of η: yᵀ S y falls as long as it is below L. L is zero where x₀ is not stable, so that only x₀ stays.
-    Of many drives all may have one more axis for them, the first.
+    Of many systems all may have one more axis for them, the first.
     """
     n, whole = mode.push.shape[-1], np.append(place, np.ones((*place.shape[:-1], 1)), axis=-1)
     sigma = _dot(mode.speed, whole)

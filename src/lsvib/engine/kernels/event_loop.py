@@ -86,8 +86,8 @@ def next_event(tables, mode, state, scale, limit, room, zeros, work):
         if on_surface[k]:
             rate, rate_size, bend, bend_size = slopes_at(tables.flow, mode, state, scale, guards[k])
             falls = rate < -rate_size or (rate <= rate_size and bend < -bend_size)
-            # A guard that turns back before it is below zero by its own rounding does not fall: friction lets go of a
-            # second body without acceleration, and what the rounding of that instant makes of it is no end of slip.
+            # A guard that turns back before it is below zero by its own rounding does not fall: what is held lets go
+            # of a second body without acceleration, and what rounding makes of that instant is no end of slip.
             if falls and state.size > 2 and bend > bend_size and rate * rate <= 2.0 * bend * size:
                 falls = False
             if value < -size or falls:

@@ -53,8 +53,7 @@ def _shape(row, state, guard):
 
     A guard that comes with its parts – its values at the equilibrium and along both eigenvectors, formed without
     cancellation – is split where the real rates lie apart; then the last three are the coefficients of e^{r₁t}, e^{r₂t}
-    and nothing. Without that a guard that is almost zero along the slow eigenvector, as the contact force next to the
-    critical mass, would be lost in rounding.
+    and nothing. Without that a guard that is almost zero along the slow eigenvector would be lost in rounding.
     """
     u, w = state[0], state[1]
     is_far = far(row, u, w)
