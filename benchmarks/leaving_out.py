@@ -12,13 +12,11 @@ from typing import NamedTuple
 import numpy as np
 from references.drives import support_drive
 
-from lsvib.engine.automaton import Automaton, assemble
-from lsvib.engine.exact.arithmetic import many_digits
+from lsvib.engine.automaton import Automaton
 from lsvib.engine.exact.modal_form import linear_mode, modal_flow
 from lsvib.engine.kernels import layout
 from lsvib.engine.motion import Motion, follow
 from lsvib.models.drive import Drive, forget
-from lsvib.models.law_modes import modes_of
 from lsvib.models.model import automaton_of
 
 _CONTACT_SIZES = (1e-6, 1e-3)  # of mismatch [m] and its rate [m/s]; they only scale coordinates that stay zero
@@ -60,7 +58,7 @@ def scenes(duration: float) -> dict[str, Ablated]:
         """Return the scene of a rigid drive, with or without rest among its modes."""
         return Ablated(
             words,
-            lambda: automaton_of(drive) if rest else without_rest(drive),
+            lambda: automaton_of(drive, rest=rest),
             lambda: generalised(automaton_of(drive), drive.input_speed),
             (here, np.append(here, [0.0, 0.0])),
             duration,
@@ -79,19 +77,6 @@ def scenes(duration: float) -> dict[str, Ablated]:
             duration,
         ),
     }
-
-
-def without_rest(drive: Drive) -> Automaton:
-    """Return the automaton of forward slip of a rigid drive alone, Γ₊ > 0, for motions that do not reach θ′ = 0."""
-    with many_digits():
-        whole = modes_of(drive.exact(), ()).layout()
-    modes = {name: mode for name, mode in whole["modes"].items() if name.startswith("slip_forward")}
-    transitions = {
-        name: replace(transition, branches=tuple(branch for branch in transition.branches if branch.mode in modes))
-        for name, transition in whole["transitions"].items()
-    }
-    modes = {name: replace(mode, guards=mode.guards[:1]) for name, mode in modes.items()}
-    return assemble(**whole | {"modes": modes, "transitions": transitions, "passive": False})
 
 
 def generalised(automaton: Automaton, input_speed: float) -> Automaton:

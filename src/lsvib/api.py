@@ -139,8 +139,8 @@ class Drive(drive.Drive):
 
         Arguments:
 
-        * ``physics``: the terms that the equations of motion have, such as support_damping and axial_force; by default
-          those that are not zero. A damping or force that is not listed must be zero.
+        * ``physics``: the terms that the equations of motion have, such as support_damping, axial_force and rest; by
+          default those that are not zero, and rest. A damping or force that is not listed must be zero.
         * ``resume``: how motion goes on after a seizure: contact_sign (the contact keeps the sign of the impulse) or,
           for the rigid drive, at_once (:mod:`lsvib.models.modes`).
 
@@ -392,7 +392,7 @@ class Drive(drive.Drive):
 
     def _automaton_and_state(self, start: Start, resume: str, physics: Terms) -> tuple["Automaton", Any]:
         scene = Scene(drive=self, start=start, duration=1.0, resume=resume, physics=physics)
-        return automaton_of(self, scene.resume), scene.definition.initial_state(self, scene.start)
+        return automaton_of(self, scene.resume, rest=scene.rests), scene.definition.initial_state(self, scene.start)
 
 
 def simulate(scene: Scene | Mapping[str, Any] | str | Path) -> "xr.Dataset":

@@ -226,6 +226,7 @@ PYTHON = [
     (lambda: branch("mass", (-1, 20)), "mass"),
     (lambda: branch("mass", (0.5, 2), LIGHT), "another drive"),
     (lambda: branch("contact_stiffness", (1e6, 1e8)), "is a parameter of compliant threads, which this drive"),
+    (lambda: RUBS.simulate({"u": 0, "w": 0}, 0.1, physics=["axial_force", "slide_friction"]), "list rest"),
     # With so much inertia the friction of the second body has several solutions.
     (lambda: support_drive(slide_friction=1, screw_mass=11.6).automaton(), "screw_mass < 10.1"),
     (lambda: nut_drive(bearing_friction=0.01, mass=15).automaton(), "outside the Painlevé region"),

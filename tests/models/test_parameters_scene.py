@@ -135,12 +135,14 @@ def test_exact_values_are_the_doubles():
 
 
 def test_physics_of_a_scene():
-    """A scene carries only the terms that it lists; by default those that are not zero."""
+    """A scene carries only the terms that it lists; by default those that are not zero, and rest."""
     scene = Scene.of({**SCENE, "drive": {"support_damping": 0.0, "axial_force": 10.0}})
-    assert scene.terms == ("axial_force",)
+    assert scene.terms == ("axial_force", "rest")
     assert "support_damping" not in scene.parameters()
     assert "translation_damping" not in scene.parameters()
     assert scene.parameters()["axial_force"] == 10.0
+    listed = Scene.of({**SCENE, "physics": ["support_damping", "axial_force"]})
+    assert "rest" not in listed.terms
 
 
 def test_scene_from_yaml(tmp_path):

@@ -107,7 +107,7 @@ def frame(drive: Drive, grid: Grid) -> xr.Dataset:
         "title": "Regions of attraction of a lead-screw drive",
         "source": "lsvib, exact event-driven motion from the middle of every cell",
         "references": "doi:10.1007/978-1-4419-1752-2_8, Sect. 8.7",
-        "physics": " ".join(model.terms),
+        "physics": " ".join((*model.terms, *model.options)),
         "grid": json.dumps({"axes": spans, "fixed": dict(grid.fixed)}),
     }
     return cf.answer({}, axes, cf.about_drive(drive, drive) | about)

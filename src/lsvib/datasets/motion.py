@@ -57,7 +57,7 @@ class Simulation:
     def of(cls, scene: Scene, budget: Budget | None = None) -> Self:
         """Follow the motion to its end, as far as a ``budget`` suffices (:func:`lsvib.engine.motion.follow`)."""
         definition = scene.definition
-        automaton = automaton_of(scene.drive, scene.resume, scene.command)
+        automaton = automaton_of(scene.drive, scene.resume, scene.command, scene.rests)
         start = definition.initial_state(scene.drive, scene.start)
         clock = np.zeros(len(automaton.states) - start.size)
         return cls(scene, follow(automaton, np.concatenate([start, clock]), scene.duration, budget=budget))
@@ -74,7 +74,7 @@ class Simulation:
         state = motion.end_state[: len(scene.definition.states)]
         if scene.command.times[-1] > scene.duration or scene.command.speeds[-1] != scene.drive.input_speed:
             return SteadyState.unresolved(state, Doubt.COMMAND)
-        return steady_state(automaton_of(scene.drive, scene.resume), state)
+        return steady_state(automaton_of(scene.drive, scene.resume, rest=scene.rests), state)
 
     @property
     def _seizures(self) -> Impulses | None:

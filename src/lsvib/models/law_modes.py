@@ -147,14 +147,15 @@ class LawModes(Modes):
 
 
 @once
-def automaton_of_parts(drive: Drive, resume: Resume) -> Automaton:
-    """Return the automaton of a drive.
+def automaton_of_parts(drive: Drive, resume: Resume, rest: bool) -> Automaton:
+    """Return the automaton of a drive; without ``rest`` that of slip in the direction of the motor alone.
 
     Raises ``InputError`` where a dry friction leaves the motion undetermined, ``EngineError`` if the rates of a mode
     cannot be separated in double precision.
     """
     with many_digits():
-        return modes_of(drive.exact(), drive.parts, resume).automaton()
+        modes = modes_of(drive.exact(), drive.parts, resume)
+        return modes.automaton() if rest else modes.without_rest()
 
 
 @once

@@ -17,6 +17,7 @@ from lsvib.errors import InputError
 from lsvib.models import thresholds
 from lsvib.models.command import Command
 from lsvib.models.drive import DRY, PARTS, Drive
+from lsvib.models.friction import depends_on_speed
 from lsvib.models.mechanism import seated_state, standing_state
 from lsvib.models.names import COORDINATES, Event, Resume, mode_names, own_frictions, sides_of_rest
 
@@ -59,7 +60,8 @@ class Model:
 
     A start gives u [rad] and w [rad/s], the keys ``required``, and may give those of ``optional``, one for each of the
     further coordinates among ``states``; ``keys`` are both. ``modes`` and ``events`` name the codes of datasets.
-    ``terms`` are the parameters that a scene may leave out (then they must be zero), ``outputs`` its observables.
+    ``terms`` are the parameters that a scene may leave out (then they must be zero), ``options`` the other words that
+    its ``physics`` may hold, ``outputs`` its observables.
 
     ``constraint`` is the equation of the kinematic constraint in words; ``thresholds`` are the names of those that can
     be solved for a parameter (of two states there is no flutter), ``curves`` those of the exact curves in its charts; a
@@ -78,6 +80,7 @@ class Model:
         self.keys = (*self.required, *self.optional)
         dampers = (PARTS[part][-1] for part in parts)
         self.terms: tuple[str, ...] = ("support_damping", "translation_damping", "axial_force", *dampers, *dry)
+        self.options = () if parts else ("rest",)
         self.outputs: tuple[str, ...] = ("normal_force", "coupling_torque", "coupling_deflection", "screw_speed")
         self.outputs += () if self.rigid else ("axial_contact_force", "nut_speed")
         self.equations = ", ".join(_EQUATIONS[part] for part in parts if part in _EQUATIONS) or "eqs 8.13-8.17"
@@ -101,8 +104,8 @@ class Model:
         return dict(zip(self.keys, standing_state(drive).tolist(), strict=True))
 
     def physics_of(self, drive: Drive) -> tuple[str, ...]:
-        """Return the words of all that a drive has: its terms that are not zero."""
-        return tuple(term for term in self.terms if getattr(drive, term) != 0)
+        """Return the words of all that a drive has: its terms that are not zero, and the options."""
+        return (*(term for term in self.terms if getattr(drive, term) != 0), *self.options)
 
     def initial_state(self, drive: Drive, values: Mapping[str, float]) -> np.ndarray:
         """Return the state of a start, else as in steady sliding; ``InputError`` if a key is missing or not known."""
@@ -128,17 +131,26 @@ def model_of(drive: Drive) -> Model:
     return _of_parts(drive.parts, tuple(name for name in DRY if getattr(drive, name)))
 
 
-def automaton_of(drive: Drive, resume: Resume = "contact_sign", command: Command | None = None) -> "Automaton":
-    """Return the automaton of a drive, also under a command.
+def automaton_of(
+    drive: Drive, resume: Resume = "contact_sign", command: Command | None = None, rest: bool = True
+) -> "Automaton":
+    """Return the automaton of a drive, also under a command, or without ``rest`` where its motion does not reach it.
 
     Raises ``InputError`` for a rule of resuming that is known of the rigid drive only, and as
     :func:`lsvib.models.law_modes.automaton_of_parts` does.
     """
     from lsvib.models.law_modes import automaton_of_parts, automaton_under_command
+    from lsvib.models.mechanics import coefficients
 
     if resume != "contact_sign" and not drive.rigid:
         raise InputError(f"resume = {resume!r} is known of the rigid drive only; others know contact_sign.")
-    return automaton_under_command(drive, command, resume) if command else automaton_of_parts(drive, resume)
+    evenly = drive.rigid and drive.input_speed and not (command or depends_on_speed(drive))
+    if not rest and not (evenly and not coefficients(drive).paradox):
+        raise InputError(
+            "physics leaves out rest, which only a rigid drive below its critical mass may do, if its motor turns "
+            "evenly and friction does not depend on the speed; list rest."
+        )
+    return automaton_under_command(drive, command, resume) if command else automaton_of_parts(drive, resume, rest)
 
 
 def coordinates() -> dict[str, str]:

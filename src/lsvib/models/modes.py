@@ -161,6 +161,17 @@ class Modes:
         """Assemble the tables of all modes."""
         return assemble(**self.layout())
 
+    def without_rest(self) -> Automaton:
+        """Assemble those of slip in the direction of the motor alone, for motions that do not reach ω = 0."""
+        whole = self.layout()
+        names = [self.name(key) for key in self.slips if key[0] == self.m.turning]
+        contact = {name: replace(whole["modes"][name], guards=whole["modes"][name].guards[:1]) for name in names}
+        transitions = {
+            name: replace(transition, branches=tuple(branch for branch in transition.branches if branch.mode in names))
+            for name, transition in whole["transitions"].items()
+        }
+        return assemble(**whole | {"modes": contact, "transitions": transitions, "passive": False})
+
     def layout(self) -> dict[str, Any]:
         """Return what :func:`lsvib.engine.automaton.assemble` makes the tables of."""
         m = self.m

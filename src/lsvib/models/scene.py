@@ -65,7 +65,7 @@ class Scene(BaseModel):
         """Check what couples two keys: start, words of physics and outputs, no term that physics omits."""
         definition = self.definition
         definition.initial_state(self.drive, self.start)
-        for key, words in (("physics", definition.terms), ("outputs", definition.outputs)):
+        for key, words in (("physics", (*definition.terms, *definition.options)), ("outputs", definition.outputs)):
             for word in getattr(self, key) or ():
                 if word not in words:
                     raise InputError(f"{key} has the word {word!r}; this drive knows {', '.join(words)}.")
@@ -83,6 +83,11 @@ class Scene(BaseModel):
     def terms(self) -> tuple[str, ...]:
         """The physics of the scene, spelled out."""
         return self.definition.physics_of(self.drive) if self.physics is None else self.physics
+
+    @property
+    def rests(self) -> bool:
+        """Whether its motion may come to rest."""
+        return set(self.definition.options) <= set(self.terms)
 
     def parameters(self) -> dict[str, float]:
         """Return the parameters that the scene uses: the drive's without the terms that the physics leaves out."""
