@@ -199,6 +199,8 @@ def assemble(
 
 def scaled(row: Row, factor: Number) -> tuple[Any, ...]:
     """Return a row times a number; what is not there stays so."""
+    if factor.__class__ is int and factor == 1:
+        return tuple(row)
     return tuple([factor * x if x.__class__ is not int or x else 0 for x in row])
 
 

@@ -52,6 +52,7 @@ from lsvib.models.mechanism import Mechanism, Solution
 from lsvib.models.names import DIRECTIONS, HOLDS, HOW, SIGNS, Event, Key, Resume, Ways, mode_name, mode_names
 
 Side = tuple[Row, Test]  # a row and the test that it has to pass
+Candidate = tuple[Key, tuple[Side, ...]]  # a mode and the conditions under which it follows
 
 
 class Modes:
@@ -179,7 +180,8 @@ class Modes:
         keys = [*self.slips, *self.rests]
         guards = {key: self._slip_guards(key) if key[0] else self._rest_guards(key) for key in keys}
         modes = {self.name(key): self._mode(key, guards[key]) for key in keys}
-        seen = {self.name(key): self._observed(self.solution(key)) for key in keys}
+        observed = cache(lambda *known: self._observed(self._solve(*known)))
+        seen = {self.name(key): observed(*self._known(key)) for key in keys}
         parts = self._parts(modes, seen)
         moving = [self.name(key) for key in (self.slips if self.planar else keys)]
         scales = [0.0] if m.compliant else [x for name in moving for x in modes[name].flow.time_scales]
@@ -336,45 +338,54 @@ class Modes:
         held = [*self._held_in(ways), *({last} & {*self.m.own})]
         return Transition(tuple(self._outcomes(d, ways, last)), reset=self.m.reset(d == 0, held))
 
-    def _outcomes(self, d: int, ways: Ways, last: str = "", onward: int = 0) -> Iterator[Branch]:
-        """Branches to all that may follow an instant, in the order in which they are tried.
+    def _outcomes(self, d: int, ways: Ways, last: str = "", onward: int = 0) -> list[Branch]:
+        """Branches to all that may follow an instant, rests before slips: the first whose conditions hold is taken.
 
         Before it the threads slip in a direction d or stand (0), and the bodies go their ``ways``. Now the threads
-        (``slip``) or a body, ``last``, stop, or let go and move ``onward``; at the start of a motion neither. All that
-        stands stays if it needs no more friction than it has, at this instant and just after it. If only one contact
-        needs more, that lets go, and then what it can no longer hold. Else a mode follows in which all accelerations
-        and forces agree: there is one where rest holds no more than slow sliding, and of several the one with more at
-        rest, and of as much, that in which the threads rest, then that in which what stood before stays.
+        (``slip``) or a body, ``last``, stop, or let go and move ``onward``; at the start of a motion neither. In order:
+
+        1. All that stands stays, if it needs no more friction than it has, at this instant and just after it.
+        2. Where sliding holds less than rest: the only contact that needs more lets go, and then what it can no longer
+           hold; or it alone, and more with it at once.
+        3. Some of what stands begins to move so that all accelerations and forces agree: as little as possible, the
+           threads last, and of as much first what has just stopped.
+        4. All stands, also by what rounding has left.
         """
         before = dict(zip(("slip", *self.m.own), (d, *ways), strict=True))
         before |= {last: onward} if last else {}
         stands = [name for name, way in before.items() if way == 0]
-        yield from () if self.m.same else self._taken(before, stands, last, onward)
-        for key, carries in () if self.m.same else self._by_sign(before):
-            for name, way in product(stands, DIRECTIONS):
-                within = chain.from_iterable(self._agrees(other, key) for other in stands if other != name)
-                alone = (*carries, *within, *self._beyond(name, key, way))
-                yield from self._taken(before | {name: way}, stands, last, onward, alone)
-                yield self._branch(key, last, onward, alone)  # there it lets go at once, and more with it
 
-        def order(begin: tuple[int, ...]) -> tuple[int, bool, int]:
+        def amount(begin: tuple[int, ...]) -> tuple[int, bool, int]:
             moving = [name for name, way in zip(stands, begin, strict=True) if way]
             return len(moving), "slip" in moving, len({*moving} - {last})
 
-        begins = sorted(product(HOW, repeat=len(stands)), key=order)[1:]
-        for begin in reversed(begins) if self.m.same else begins:  # that of one mode alone is found sooner so
-            yield from self._taken(before | dict(zip(stands, begin, strict=True)), stands, last, onward)
+        _, *begins = sorted(product(HOW, repeat=len(stands)), key=amount)
+        candidates = self._agreeing(before, stands) if stands else []
+        candidates += [] if self.m.same else self._letting_go_alone(before, stands)
+        for begin in begins:
+            candidates += self._agreeing(before | dict(zip(stands, begin, strict=True)), stands)
         *others, (key, _) = self._by_sign(before)
-        yield from (self._branch(other, last, onward, carries) for other, carries in others)
-        yield self._branch(key, last, onward)  # all stands, also by what rounding has left
+        candidates += [*others, (key, ())]
+        return [self._branch(key, last, onward, conditions) for key, conditions in candidates]
 
-    def _taken(
-        self, now: Mapping[str, int], stands: Sequence[str], last: str, onward: int, more: tuple[Side, ...] = ()
-    ) -> Iterator[Branch]:
-        """Branches to the modes in which all moves as ``now``, if that agrees with what ``stands`` before it."""
-        for key, carries in self._by_sign(now):
-            agree = chain.from_iterable(self._agrees(name, key) for name in stands)
-            yield self._branch(key, last, onward, (*more, *carries, *agree))
+    def _agreeing(self, now: Mapping[str, int], stands: Sequence[str]) -> list[Candidate]:
+        """The modes in which all moves as ``now``, if that agrees with what ``stands`` before it."""
+        return [
+            (key, (*carries, *chain.from_iterable(self._agrees(name, key) for name in stands)))
+            for key, carries in self._by_sign(now)
+        ]
+
+    def _letting_go_alone(self, before: Mapping[str, int], stands: Sequence[str]) -> list[Candidate]:
+        """What follows where of all that ``stands`` one contact alone needs more friction than it has."""
+        found: list[Candidate] = []
+        for (key, carries), name, way in product(self._by_sign(before), stands, DIRECTIONS):
+            within = chain.from_iterable(self._agrees(other, key) for other in stands if other != name)
+            needs = self._now_or_next(scaled(self._spare(name, key, way), -1), key, Test.POSITIVE)
+            alone = (*carries, *within, *needs)
+            onward = self._agreeing({**before, name: way}, stands)
+            found += [(other, (*alone, *conditions)) for other, conditions in onward]
+            found.append((key, alone))
+        return found
 
     def _branch(self, key: Key, last: str, onward: int = 0, conditions: tuple[Side, ...] = ()) -> Branch:
         """Return the branch to a mode in which the threads or a body, ``last``, have stopped, or let go ``onward``."""
@@ -383,7 +394,7 @@ class Modes:
         what = "release" if onward else "reversal" if moves else "stick"
         return Branch(self.name(key), Event[f"{body}_{what}".strip("_").upper()], conditions)
 
-    def _by_sign(self, now: Mapping[str, int]) -> list[tuple[Key, tuple[Side, ...]]]:
+    def _by_sign(self, now: Mapping[str, int]) -> list[Candidate]:
         """The modes in which all moves as ``now``, by the sign of n, with the conditions under which it has that."""
         way, *bodies = now.values()
         ways = tuple(bodies)
@@ -417,10 +428,6 @@ class Modes:
             return self._now_or_next(scaled(rate_of(speed, field), way), key, Test.POSITIVE)
         rows = [self._spare(name, key, onward) for onward in DIRECTIONS]
         return tuple(chain.from_iterable(self._now_or_next(row, key, Test.NOT_NEGATIVE) for row in rows))
-
-    def _beyond(self, name: str, key: Key, way: int) -> tuple[Side, ...]:
-        """Conditions under which the threads or a body need more friction than they have to be kept from one way."""
-        return self._now_or_next(scaled(self._spare(name, key, way), -1), key, Test.POSITIVE)
 
     def _spare(self, name: str, key: Key, way: int) -> Row:
         """Friction that is left to keep the threads (``slip``) or a body from moving one way in a mode."""
