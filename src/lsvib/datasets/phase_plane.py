@@ -70,10 +70,11 @@ def rule_coordinate() -> cf.Variables:
 
 
 def reached(drive: Drive, start: Mapping[str, float], resume: Resume = RULES[0]) -> SteadyState:
-    """Return what the motion of the rigid drive from u [rad] and w [rad/s] ends in, by a rule of resuming."""
+    """Return what the motion with rigid threads from u [rad] and w [rad/s] ends in, by a rule of resuming."""
     from lsvib.dynamics.attractor import steady_state
 
-    return steady_state(automaton_of(drive, resume=resume), [start["u"], start["w"]])
+    rigid = drive.replace(contact_stiffness=None, contact_damping=None)
+    return steady_state(automaton_of(rigid, resume), [start["u"], start["w"]])
 
 
 def followed(drive: Drive, start: Any, duration: float, resume: Resume = RULES[0]) -> Motion:

@@ -111,7 +111,8 @@ def _branch(drive: Drive, sign: int, start: Sequence[float]) -> tuple[list[list[
         low, high = orbit_extremes(rigid[0], np.array([1.0, 0.0, 0.0]))
         return distance(one, other, (0.5 * (high - low), abs(drive.input_speed)), 800 if sign else 3000)
 
-    rigid = [motion(automaton_of(drive, resume=rule), start) for rule in RULES]
+    rigid_threads = drive.replace(contact_stiffness=None, contact_damping=None)
+    rigid = [motion(automaton_of(rigid_threads, rule), start) for rule in RULES]
     contacts = [drive.replace(contact_stiffness=k, contact_damping=k) for k in _STIFFNESS.tolist()]
     stiff = [motion(automaton_of(own), seated_state(own, *start)) for own in contacts]
     stands = [m.time[np.isin(m.kind, (Event.STICK, Event.REVERSAL))] if sign else () for m in stiff]

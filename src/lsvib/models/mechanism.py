@@ -250,10 +250,14 @@ class Mechanism:
         left = self._inertias(moved)
         left["screw"] |= {name: 1 for name in held if name == "bearing"}
         left["load"] |= {name: 1 for name in held if name == "slide"}
-        equations: list[tuple[Mapping[str, Any], Row]] = [(left[body], plus(*rows[body])) for body in left]
+        bodies: list[tuple[Mapping[str, Any], Row]] = [(left[body], plus(*rows[body])) for body in left]
         steady = {"contact": self.force, "torque": self.twist}
-        for ties, row in self._threads(law, mu, rates):
-            equations.append((ties, plus(row, *(self.constant(-x * steady.get(name, 0)) for name, x in ties.items()))))
+        threads: list[tuple[Mapping[str, Any], Row]] = [
+            (ties, plus(row, *(self.constant(-x * steady.get(name, 0)) for name, x in ties.items())))
+            for ties, row in self._threads(law, mu, rates)
+        ]
+        # At rest screw and nut are one first, so that what they give to x″ cancels to the last bit.
+        equations = [*bodies, *threads] if direction else [*threads, *bodies]
         equations += [({"screw": 1} if name == "bearing" else moved, self.constant(0)) for name in held]
         return self._solution(law, mu, rates, solved(equations), held)
 
