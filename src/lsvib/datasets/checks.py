@@ -105,7 +105,7 @@ class Check:
         """
         said = claims()[id]
         claim, source = (_filled(words, left_open) for words in (said.claim, said.source))
-        aim = float(said.value if expected is None else expected)  # type: ignore[arg-type]
+        aim = float(said.value if expected is None else expected)
         worst = np.ravel(computed)[np.argmax(np.abs(np.ravel(computed) - aim))]  # NaN is worse than any
         allowed = said.tolerance if tolerance is None else tolerance
         claim += note and f", {note}"

@@ -1,6 +1,6 @@
 """Map of regions of attraction, whose dataset the rule `attraction` makes in tiles (:mod:`lsvib.datasets.map`)."""
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, Tag
 
@@ -13,6 +13,7 @@ Regions of attraction: the attractor of the motion from every start, and the tim
 exact boundary. Sect. 8.7 says only that the region of steady sliding can be quite small.
 """
 
+_Name: Any = Literal[*coordinates()]
 Coordinate = Annotated[
     Annotated[float, Tag("number")] | Annotated[Cells, Tag("axis")],
     Discriminator(lambda value: "axis" if isinstance(value, dict) else "number"),
@@ -27,7 +28,7 @@ Quantities = Annotated[
 
 class Settings(FigureSettings):
     drive: dict[str, float] = Field(description="Changes of the drive of Table 8.1; lsvib checks keys and ranges.")
-    grid: dict[Literal[*coordinates()], Coordinate] = Field(
+    grid: dict[_Name, Coordinate] = Field(
         min_length=2,
         description="The two coordinates that the map spans, as cells of equal width (of these two the one that is "
         "listed first below is horizontal); other coordinates of the state as numbers. All drives have u and w, those "

@@ -32,6 +32,7 @@ _SHARED = {  # figures that are not in a module of their own name
 }
 _PACKAGE = Path(__file__).parents[1]
 _CHECKOUT = _PACKAGE.parents[1]
+_Name: Any = Literal[*FIGURES, *BENCHMARKS]
 DEFAULT = Path(__file__).with_name("config.yaml")
 _NO_FIGURES = ("table_8_1", "assessments", "assessment_samples", "attraction", "chart")  # sections of other things
 FIGURES = tuple(name for name in read_yaml(DEFAULT) if name not in (*_NO_FIGURES, *BENCHMARKS))
@@ -89,7 +90,7 @@ class Selection(SettingsSection):
         default=DriveChanges(), description="Parameters of the drive of all figures; their `drive` differs from it."
     )
 
-    figures: Annotated[list[Literal[*FIGURES, *BENCHMARKS]], *Unique] | None = Field(
+    figures: Annotated[list[_Name], *Unique] | None = Field(
         default=None, min_length=1, description="Figures to build; all if it is left out."
     )
     pathvars: dict[Literal["results", "logs"], str] = Field(
@@ -136,7 +137,7 @@ def given(configuration: Mapping[str, Any], figure: str) -> dict[str, Any]:
     """Return the section of a figure, its drive with all parameters of ``table_8_1`` that it does not change itself."""
     found, table = configuration.get(figure, {}), configuration.get("table_8_1", {})
     if not (table and isinstance(found, dict) and "drive" in settings_of(figure).model_fields):
-        return found
+        return found  # type: ignore[no-any-return]
     drive = found.get("drive", {})
     angles = {"lead_angle", "lead_angle_deg"}
     beneath = {key: value for key, value in table.items() if not (key in angles and angles & set(drive))}

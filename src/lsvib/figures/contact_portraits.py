@@ -165,7 +165,7 @@ def _saddle_manifolds(drives: Sequence[Drive], count: int, limit: float, scale: 
     }
 
 
-def _scaled(x: Any, scale: float, side: int) -> np.ndarray:
+def _scaled(x: Any, scale: float, side: int) -> Any:
     """χ from x, or x from χ by one over the ``scale``: equal on the side of law −, scaled on that of law +."""
     return np.where(x * side > 0, x * scale, x)
 
@@ -210,11 +210,11 @@ def _rate(long_name: str) -> dict[str, Any]:
     return attributes(_UNIT, f"{long_name}, scaled by law - on both sides", r"$\chi'$", comment=_OF_RATE)
 
 
-def _potential(case: xr.Dataset, force: xr.DataArray) -> xr.DataArray:
+def _potential(case: xr.Dataset, force: xr.DataArray) -> Any:
     """Potential of x″: −ρ² x²/2 − x/Γ₋ on the side of law +, x²/2 − x/Γ₋ on that of law −."""
     plus, minus = (case.effective_inertia_of_law.sel(law=law, drop=True) for law in (1, -1))
-    x = xr.where(force * case.law_side.sel(law=1, drop=True) > 0, force / case.force_scale, force)
-    stiffness = xr.where(x * case.law_side.sel(law=1, drop=True) > 0, case.force_scale * plus / minus, 1.0)
+    x = (force / case.force_scale).where(force * case.law_side.sel(law=1, drop=True) > 0, force)
+    stiffness = (case.force_scale * plus / minus).where(x * case.law_side.sel(law=1, drop=True) > 0, 1.0)
     return stiffness * x**2 / 2 - x / minus
 
 
@@ -340,7 +340,7 @@ def draw(dataset: xr.Dataset) -> style.Figure:
 
 def _lines(axes: style.Axes, case: xr.Dataset) -> None:
     """Draw the manifolds of the saddle and what they enclose, or the unstable one that every motion approaches."""
-    dashed = {"color": style.BLACK, "linewidth": 1.0, "linestyle": (0, (4, 2))}
+    dashed: dict[str, Any] = {"color": style.BLACK, "linewidth": 1.0, "linestyle": (0, (4, 2))}
     if "manifold_force" in case:
         x, y = case.manifold_force.values, case.manifold_force_rate.values
         rim = [np.concatenate([z[3], z[2][::-1]]) for z in (x, y)]

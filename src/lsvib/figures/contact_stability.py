@@ -40,13 +40,13 @@ class Settings(of.DriveFigure):
     unused = ("mass",)
     engine = ()
 
-    stiffnesses: of.several(of.parameter("contact_stiffness"), 1, 6, "Contact stiffnesses k_c of the curves [N/m].")
+    stiffnesses: list[of.Stiffness] = of.several(1, 6, "Contact stiffnesses k_c of the curves [N/m].")
     contact_damping: of.PositiveSpan = Field(description="c_c [N s/m] along the curves, spaced logarithmically.")
-    contacts: of.several(of.Contact, 2, 5, "Contacts that figures draw, the stiffest first.")
+    contacts: list[of.Contact] = of.several(2, 5, "Contacts that figures draw, the stiffest first.")
     masses: of.MassPair = Field(description="Masses above and below the critical mass of the rigid drive [kg].")
     stiffness: of.PositiveSpan = Field(description="k_c [N/m] of the growth rates, spaced logarithmically.")
-    dampings: of.several(
-        of.parameter("contact_damping"), 2, 5, "Contact dampings of the growth rates, the first zero [N s/m]."
+    dampings: list[of.ContactDamping] = of.several(
+        2, 5, "Contact dampings of the growth rates, the first zero [N s/m]."
     )
 
 
@@ -93,7 +93,7 @@ def build(settings: of.Values) -> xr.Dataset:
 def _curves(drive: Drive, curves: np.ndarray, along: np.ndarray) -> Variables:
     """Masses between which steady sliding is stable, over contact stiffness k_c [N/m] and damping c_c [N s/m]."""
     contacts = [[drive.replace(contact_stiffness=float(k), contact_damping=float(c)) for c in along] for k in curves]
-    found = [[stable_set(contact, "mass").intervals for contact in row] for row in contacts]
+    found = [[stable_set(contact, "mass").intervals for contact in row] for row in contacts]  # type: ignore[union-attr]
     grid = np.array([[float(stable[0][1]) if stable else np.nan for stable in row] for row in found])
     again = np.array([[float(stable[1][0]) if len(stable) > 1 else np.nan for stable in row] for row in found])
     dims, whole = ("curve_contact_stiffness", "curve_contact_damping"), grid >= _LARGEST_MASS
@@ -110,7 +110,7 @@ def _growth_rates(drive: Drive, heavy: float, light: float, dampings: np.ndarray
     drives = [[drive.replace(mass=m, contact_damping=c) for c in dampings] for m in (heavy, light)]
     growth = [[_largest_real_part(dict(d), contact_stiffness=stiffness) for d in row] for row in drives]
     stable = [stable_set(drive.replace(mass=light, contact_stiffness=k), "contact_damping") for k in stiffness]
-    dampings_of = [[(float(a), float(b)) for a, b in found.intervals] for found in stable]
+    dampings_of = [[(float(a), float(b)) for a, b in found.intervals] for found in stable]  # type: ignore[union-attr]
     window = np.array([row[0] if len(row) > 1 else (np.nan, np.nan) for row in dampings_of])
     above = [unstable_contact_stiffness(d) for d in drives[0]]
     damping, stiff = "growth_contact_damping", "growth_contact_stiffness"
@@ -175,8 +175,8 @@ def _critical_mass_checks(dataset: xr.Dataset, drive: of.Values) -> list[Check]:
     kinds = {"lost": lost, "masses": masses, "every": every, "again": again, "softest": softest}
 
     def grows(k: float, damping: np.ndarray) -> list[bool]:
-        light = drive | {"mass": float(dataset.mass[1])}
-        return (_largest_real_part(light, contact_stiffness=k, contact_damping=damping) > 0).tolist()
+        light = {**drive, "mass": float(dataset.mass[1])}
+        return [bool(x > 0) for x in _largest_real_part(light, contact_stiffness=k, contact_damping=damping)]
 
     stiffness, least = dataset.growth_contact_stiffness.values, dataset.least_contact_damping.values
     ends = np.array([grows(k, c * _BESIDE) == [True, False] for k, c in zip(stiffness, least, strict=True)])
@@ -281,7 +281,7 @@ def draw(dataset: xr.Dataset) -> style.Figure:
 
 def _least(axes: style.Axes, dataset: xr.Dataset) -> None:
     stiffness, least = dataset.growth_contact_stiffness, dataset.least_contact_damping
-    top, shade = 100 * float(least.max()), {"color": style.SKY, "alpha": 0.3, "linewidth": 0}
+    top, shade = 100 * float(least.max()), dict[str, Any](color=style.SKY, alpha=0.3, linewidth=0)
     low, high = dataset.window_of_soft_contact.values.T
     axes.fill_between(stiffness, least, top, **shade)
     axes.fill_between(stiffness, low, high, **shade)

@@ -3,6 +3,7 @@
 from enum import IntEnum
 from itertools import product
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -152,7 +153,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
 
 def _condition_checks(dataset: xr.Dataset) -> list[Check]:
     """Check the conditions of the chapter, as printed, on drives on both sides of each of them."""
-    swept = {name[6:]: dataset[name] for name in dataset.coords if name.startswith("swept_")}
+    swept = {name[6:]: dataset[name] for name in map(str, dataset.coords) if name.startswith("swept_")}
     p = SimpleNamespace(**{str(name): x for name, x in dataset.coords.items()} | swept)
     net, free = printed_laws.net_force(p), p.translation_damping == 0
     locking, pushed = p.friction_coefficient > np.tan(p.lead_angle), p.axial_force * p.input_speed > 0
@@ -165,10 +166,10 @@ def _condition_checks(dataset: xr.Dataset) -> list[Check]:
     both, ways = (inertia < 0) | (damping < 0), ((inertia < 0) & (damping > 0), (inertia > 0) & (damping < 0))
     allowed = {s: s * net / printed_laws.lever(p, s) * p.input_speed > 0 for s in (1, -1)}
     three = locking & negative
-    off = abs(damping - xr.where(allowed[1], printed_laws.damping(p, 1), printed_laws.damping(p, -1)))
-    of_sign, opposed = xr.where(allowed[1], plus, minus), (inertia == minus) & (minus > 0) & ~unstable
+    off = abs(damping - printed_laws.damping(p, 1).where(allowed[1], printed_laws.damping(p, -1)))
+    of_sign, opposed = plus.where(allowed[1], minus), (inertia == minus) & (minus > 0) & ~unstable
 
-    def among(truth: xr.DataArray, cases: xr.DataArray) -> np.ndarray:
+    def among(truth: xr.DataArray, cases: xr.DataArray) -> Any:
         return truth.broadcast_like(unstable).values[cases.broadcast_like(unstable).values]
 
     found = [among(unstable, way) for way in ways]
@@ -206,7 +207,7 @@ def _node_focus_boundary(inertia: np.ndarray, stiffness: float) -> np.ndarray:
 def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw the class map and the node–focus boundary C_0² = 4kΓ_0."""
     figure = style.new_figure(style.DOUBLE, 3.6)
-    axes, line = figure.add_subplot(), {"color": style.BLACK, "linewidth": 1.0}
+    axes, line = figure.add_subplot(), dict[str, Any](color=style.BLACK, linewidth=1.0)
     inertia, damping = dataset.effective_inertia, dataset.effective_damping
     drawing.regions(axes, inertia, damping, dataset.stability.T, _COLOURS, shading="nearest")
     for sign, name in ((1, None), (-1, r"$C_0^2 = 4 k \Gamma_0$")):

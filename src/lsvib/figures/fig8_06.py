@@ -4,7 +4,7 @@ Also the coefficients that Sect. 8.5.1 prints, for both readings of the mass: it
 effective inertias of m = 8 kg.
 """
 
-from typing import Self
+from typing import Annotated, Self
 
 import numpy as np
 import xarray as xr
@@ -48,7 +48,7 @@ class Settings(PhasePlane):
 
     axial_force: Span = Field(description="R [N].")
     start: State
-    insets: several(parameter("axial_force"), 1, 3, "Axial forces of the inset phase portraits [N].")
+    insets: list[Annotated[float, parameter("axial_force")]] = several(1, 3, "Axial forces of the inset portraits [N].")
     mass_readings: MassPair = Field(
         description="Mass as stated, and mass to which the printed effective inertias belong [kg]."
     )
@@ -103,9 +103,9 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
     for own in (insets[-1].replace(friction_coefficient=float(x)) for x in frictions):  # from θ′ = 0 and z = 0
         motion = phase_plane.followed(own, [-float(coefficients(own).deflection), -own.input_speed], 1e-9)
         holding.append(motion.automaton.codes[motion.arcs()[0][0]] == MotionMode.REST)
-    words = "the screw, standing in an untwisted coupling, stays at rest under the largest force of a portrait"
-    holds = {"holds_without_torque": yes_no("swept_friction_coefficient", holding, words)}
-    _, kinds = behaviours(product_of(drives[0], {"axial_force": forces}))
+    said = "the screw, standing in an untwisted coupling, stays at rest under the largest force of a portrait"
+    holds = {"holds_without_torque": yes_no("swept_friction_coefficient", holding, said)}
+    _, kinds = behaviours(product_of(drives[0], {"axial_force": forces.tolist()}))
     dim, slowest = "swept_axial_force", [s.extremes(np.array([0, 1.0, 0]))[0] for s in steady]
     net, drag = [float(coefficients(d).net_force) for d in drives], "axial force less the drag of the translation"
     curve = {
@@ -174,8 +174,8 @@ def _reading_checks(dataset: xr.Dataset) -> list[Check]:
     """Check the printed values: C± do not depend on the mass; Γ± as printed do not belong to the stated one."""
     stated = float(dataset.mass)
     other = float(dataset.reading_mass.values[dataset.reading_mass.values != stated][0])
-    ours, theirs = ({name.removeprefix("reading_"): float(x) for name, x in dataset.sel(reading_mass=mass).items()
-                     if name.startswith("reading_")} for mass in (stated, other))  # fmt: skip
+    ours, theirs = ({str(name).removeprefix("reading_"): float(x) for name, x in dataset.sel(reading_mass=mass).items()
+                     if str(name).startswith("reading_")} for mass in (stated, other))  # fmt: skip
     stands = {"inertia_minus": "fig8_06.inertia_minus", "inertia_plus": "fig8_06.inertia_plus"}
     inertias = [ours[f"effective_{name}"] for name in stands]
     wrong = [abs(x / claims()[id].value - 1) > 0.1 for x, id in zip(inertias, stands.values(), strict=True)]

@@ -1,6 +1,7 @@
 """Figure 8.7: the four sectors of the phase plane in the Painlevé region, without a solution or with two."""
 
 from itertools import product
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -43,16 +44,15 @@ def build(settings: Values) -> xr.Dataset:
     kinds = existence(drive, *np.meshgrid(angle, velocity, indexing="ij"))
     plane, xi = ("grid_angle_deviation", "grid_velocity_deviation"), coefficients(drive).xi
     equilibrium = drive.pitch_radius * float(xi[1] - xi[-1]) * drive.axial_force / drive.coupling_stiffness
-    rests = []
-    for start, rule in product(settings["starts"], RULES):
+    rests = np.empty((len(settings["starts"]), len(RULES)))
+    for k, (start, rule) in enumerate(product(settings["starts"], RULES)):
         motion = phase_plane.followed(drive, [start["u"], start["w"]], settings["duration"], rule)
         modes, *_, durations = motion.arcs()
         first = np.flatnonzero(motion.kind == Event.SEIZURE)[:1] + 1  # of a start that does not seize, none
-        rests.append(durations[first][motion.automaton.codes[modes[first]] == MotionMode.REST].sum())
-    rests = np.reshape(rests, (-1, len(RULES)))
+        rests.flat[k] = durations[first][motion.automaton.codes[modes[first]] == MotionMode.REST].sum()
     planes = phase_plane.portraits(settings, [drive], (), ("Sect. 8.6",)).assign_coords(
-        equilibrium_angle=variable((), equilibrium, "rad", "equilibrium of the equation of law -", "$u_0$"),
-        **phase_plane.grid_axes(angle, velocity),
+        {"equilibrium_angle": variable((), equilibrium, "rad", "equilibrium of the equation of law -", "$u_0$")}
+        | phase_plane.grid_axes(angle, velocity)
     )
     return planes.assign(
         {
@@ -106,7 +106,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     ]
 
 
-def _beyond_line(dataset: xr.Dataset, u, w):
+def _beyond_line(dataset: xr.Dataset, u: Any, w: Any) -> Any:
     """Distance [rad] of states beyond the line N = 0; it has the sign of Q."""
     return u - (float(dataset.contact_line_angle[0]) + float(dataset.contact_line_slope[0]) * w)
 

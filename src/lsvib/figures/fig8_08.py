@@ -35,8 +35,8 @@ class Settings(DriveFigure):
     unused = ("input_speed", "mass", "translation_damping", "axial_force")
 
     mass: PositiveSpan = Field(description="Translating mass [kg].")
-    dampings: several(
-        Annotated[Damping, Gt(0)], 1, None, "Support dampings at which the loss of stability is located [N m s/rad]."
+    dampings: list[Annotated[Damping, Gt(0)]] = several(
+        1, None, "Support dampings at which the loss of stability is located [N m s/rad]."
     )
 
 
@@ -58,12 +58,11 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
         inertia = np.array([float(coefficients(drive.replace(mass=float(m))).gamma[1]) for m in masses])
         return eigenvalue_pair(inertia, damping, drive.coupling_stiffness)
 
-    def grows(m: float, damping: float) -> bool:
-        return bool(eigenvalues(np.array([m]), damping).real.max() >= 0)
+    def loss(damping: float) -> float:  # by bisection around m_cr to the last bit
+        return bisected(lambda m: eigenvalues(np.array([m]), damping).real.max() >= 0, critical / 2, critical * 3 / 2)
 
     dampings = np.array(settings["dampings"], dtype=float)
-    # By bisection around m_cr to the last bit.
-    losses = [bisected(lambda m, c=c: grows(m, c), critical / 2, critical * 3 / 2) for c in dampings.tolist()]
+    losses = [loss(c) for c in dampings.tolist()]
     lost = "mass at which the real part of an eigenvalue becomes positive"
     pair = eigenvalues(mass, drive.support_damping)
     dims, real, imaginary = ("eigenvalue", "mass"), "real part of the eigenvalue", "imaginary part of the eigenvalue"

@@ -27,7 +27,7 @@ _PRINTED = ("Sect. 8.6", "Sect. 8.6.1")
 class Settings(PhasePlane):
     unused = ("mass",)
 
-    cases: several(DriveChanges, 2, 2, "Changes of `drive`, one for each panel, the one below the critical mass first.")
+    cases: list[DriveChanges] = several(2, 2, "Changes of `drive`, one a panel, the one below the critical mass first.")
     axial_force: PositiveSpan = Field(description="R [N] over which a check follows the cycle.")
 
 
@@ -49,7 +49,7 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
     drives, critical = _drives(settings), value(analysis.kinematic_constraint_mass)
     forces = spans.even(settings["axial_force"])
     planes = phase_plane.portraits(settings, drives, ("mass",), _PRINTED)
-    planes = planes.assign_coords(**axis("swept_axial_force", forces), critical_mass=((), critical, CRITICAL_MASS))
+    planes = planes.assign_coords(axis("swept_axial_force", forces) | {"critical_mass": ((), critical, CRITICAL_MASS)})
     swept = all_endings(ManyDrives({**dict(drives[-1]), "axial_force": forces}), settings["starts"][0])
     speed, dim = swept.peak_normal_impulse / seizure_impulse(drives[-1], 1.0), "swept_axial_force"
     speed[speed == 0] = np.nan

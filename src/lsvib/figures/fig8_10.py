@@ -33,8 +33,8 @@ _DISTANCE = (
 
 class Settings(of.DriveFigure):
     engine = ("planar", "modal")
-    contact_stiffness: of.parameter("contact_stiffness")
-    contact_damping: of.parameter("contact_damping")
+    contact_stiffness: of.Stiffness
+    contact_damping: of.ContactDamping
     start: of.State
     duration: of.Duration
     samples: of.Samples
@@ -210,12 +210,12 @@ def draw(dataset: xr.Dataset) -> style.Figure:
 def _force(peaks: style.Axes, sliding: style.Axes, dataset: xr.Dataset) -> None:
     """Contact force over time: the peaks above, sliding below, on the same axis of time; its own axis is broken."""
     time, printed = dataset.time * 1e3, float(dataset.printed_peak_normal_force) / 1e3
-    cut = {"marker": [(-1, -0.6), (1, 0.6)], "markersize": 7, "linestyle": "none", "color": style.BLACK, "mew": 0.8}
     for axes, unit, edge, spine in ((peaks, 1e3, 0, "bottom"), (sliding, 1, 1, "top")):
         axes.plot(time, dataset.normal_force / unit, color=style.BLUE, linewidth=0.8)
         axes.spines[spine].set_visible(False)
         axes.set_xlim(0, float(time[-1]))
-        axes.plot([0, 1], [edge, edge], transform=axes.transAxes, clip_on=False, zorder=10, **cut)
+        axes.plot([0, 1], [edge, edge], marker=[(-1, -0.6), (1, 0.6)], markersize=7, linestyle="none", mew=0.8,
+                  color=style.BLACK, transform=axes.transAxes, clip_on=False, zorder=10)  # fmt: skip
     peaks.axhline(printed, color=style.VERMILION, linestyle="--", linewidth=0.9)
     peaks.text(0.99, 0.97, f"{printed:g} kN, printed", color=style.VERMILION, ha="right", va="top", fontsize=7,
                transform=peaks.transAxes)  # fmt: skip

@@ -21,7 +21,7 @@ trajectory reaches it: to the right forward slip has no solution.
 class Settings(PhasePlane):
     unused = ("support_damping",)
 
-    support_dampings: several(Damping, 2, 4, "Support dampings in ascending order [N m s/rad].")
+    support_dampings: list[Damping] = several(2, 4, "Support dampings in ascending order [N m s/rad].")
 
 
 def build(settings: Values) -> xr.Dataset:
@@ -79,5 +79,5 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     axes.text(0.38, 0.5, "$N < 0$ left of\neach line: slip", transform=axes.transAxes, ha="center", va="center")
     axes.text(0.98, 0.96, "right of each line\nno solution: seizure", transform=axes.transAxes, ha="right", va="top")
     drawing.label_axes(axes, dataset)
-    cycles = [line for line in axes.lines if line.get_label().startswith("$c$")]
+    cycles = [line for line in axes.lines if str(line.get_label()).startswith("$c$")]
     return style.legend(figure, [axes], 1, cycles, "outside right upper")

@@ -34,7 +34,7 @@ _DASHES = ("-", (0, (5, 1.5)), (0, (3, 1, 1, 1)), (0, (1, 1)))
 
 class Settings(DriveFigure):
     engine = ("planar", "modal")
-    contacts: several(Contact, 2, 4, "Contacts whose cycles are drawn, the stiffest first.")
+    contacts: list[Contact] = several(2, 4, "Contacts whose cycles are drawn, the stiffest first.")
     start: State
     samples: Samples
 
@@ -108,7 +108,7 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     steady = float(dataset.steady_deflection)
     contacts = (dataset.isel(contact=k) for k in dataset.contact.values)
     for one, colour, dashes in zip(contacts, _COLOURS, _DASHES, strict=False):
-        stiffness, damping = (style.number(one[name]) for name in _CONTACT)
+        stiffness, damping = (style.number(float(one[name])) for name in _CONTACT)
         critical = f"$m_\\mathrm{{cr}}$ = {float(one.critical_mass_with_contact):.2f} kg"
         time, angle = one.cycle_time.values, one.cycle_angle.values
         cycles.append((angle, one.cycle_velocity.values, colour))

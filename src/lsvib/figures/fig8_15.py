@@ -46,7 +46,7 @@ class Settings(DriveFigure):
     engine = ()
     unused = ("support_damping", "friction_coefficient", "input_speed", "translation_damping", "axial_force")
 
-    screw_mass: parameter("screw_mass")
+    screw_mass: float = parameter("screw_mass")
     friction_coefficient: Span = Field(description="mu, from zero or more.")
     support_stiffness: PositiveSpan = Field(description="k_1 [N/m], spaced logarithmically.")
 

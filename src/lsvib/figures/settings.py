@@ -13,10 +13,10 @@ from annotated_types import Ge, Gt, Le, Lt
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, create_model, model_validator
 from pydantic_core import PydanticCustomError
 
-from lsvib.models.complaints import Least
+from lsvib.models.complaints import Least, bounds_of
 from lsvib.models.drive import Drive, described
 
-_BOUNDS = (Ge, Gt, Le, Lt)
+_BOUNDS = (Ge, Gt, Le, Lt, Least)
 Values = Mapping[str, Any]  # names and values, such as the settings of a figure once they are checked
 
 
@@ -94,37 +94,39 @@ def refusing(wrong: Callable[[Any], bool], words: str) -> AfterValidator:
 Unique = (refusing(lambda values: any(x in values[:k] for k, x in enumerate(values)), "holds an entry twice"),)
 
 
-def several(kind: Any, least: int, most: int | None, description: str) -> Any:
-    """Return the type of a list of so many entries, none of them twice."""
-    return Annotated[list[kind], *Unique, Field(min_length=least, max_length=most, description=description)]
+def several(least: int, most: int | None, description: str) -> Any:
+    """Return the field of a list of so many entries, none of them twice."""
+    field = Field(min_length=least, max_length=most, description=description)
+    field.metadata.extend(Unique)
+    return field
 
 
 def parameter(key: str, *more: Any) -> Any:
-    """Return the type of a parameter of a drive, with its range, and with ``more`` bounds."""
-    found = Drive.model_fields[key].metadata
-    bounds, least = ([one for one in found if isinstance(one, kinds)] for kinds in (_BOUNDS, Least))
+    """Return the field of a parameter of a drive, with its range, and with ``more`` bounds."""
     words = described(key)
-    description = f"{words['symbol']} [{words['unit']}]: {words['long_name']}."
-    return Annotated[float, *bounds, *more, *least, Field(description=description)]
+    field = Field(description=f"{words['symbol']} [{words['unit']}]: {words['long_name']}.")
+    field.metadata.extend((*(one for one in Drive.model_fields[key].metadata if isinstance(one, _BOUNDS)), *more))
+    return field
 
 
-def _changes(name: str, description: str) -> type[SettingsSection]:
-    types = {key: parameter(key) for key in Drive.model_fields}
-    angle = [bound for bound in Drive.model_fields["lead_angle"].metadata if isinstance(bound, (Ge, Lt))]
-    degrees = [Ge(math.degrees(b.ge)) if isinstance(b, Ge) else Lt(math.degrees(b.lt)) for b in angle]
-    types["lead_angle_deg"] = Annotated[float, *degrees, Field(description="lambda [degree].")]
+def _changes(name: str, description: str) -> Any:
+    types = {key: Annotated[float, parameter(key)] for key in Drive.model_fields}
+    low, high = (math.degrees(bound) for bound in bounds_of(Drive, "lead_angle").values())
+    types["lead_angle_deg"] = Annotated[float, Ge(low), Lt(high), Field(description="lambda [degree].")]
     fields: dict[str, Any] = {key: (kind, None) for key, kind in types.items()}  # not named: as in Table 8.1
     return create_model(name, __base__=SettingsSection, __doc__=description, **fields)
 
 
-DriveChanges = _changes("DriveChanges", "Changes of the drive of Table 8.1; lsvib checks what couples two of them.")
+DriveChanges: Any = _changes("DriveChanges", "Changes of the drive of Table 8.1; lsvib checks what couples them.")
+Stiffness = Annotated[float, parameter("contact_stiffness")]
+ContactDamping = Annotated[float, parameter("contact_damping")]
 
 
 class Contact(SettingsSection):
     """A contact of compliant threads."""
 
-    contact_stiffness: parameter("contact_stiffness")
-    contact_damping: parameter("contact_damping")
+    contact_stiffness: Stiffness
+    contact_damping: ContactDamping
 
 
 class ContactStart(SettingsSection):
@@ -139,8 +141,8 @@ Duration = Annotated[float, Field(gt=0, le=10, description="Time for which motio
 Samples = Annotated[int, Field(ge=100, le=100_000, description="Samples of each motion, events included.")]
 Damping = Annotated[float, Field(ge=0, le=1, description="Support damping c [N m s/rad].")]
 CaseSeed = Annotated[int, Field(ge=0, description="Seed of the random cases.")]
-MassPair = several(parameter("mass"), 2, 2, "Two readings of the mass [kg].")
-OpposingForces = several(parameter("axial_force", Lt(0)), 2, 2, "Two forces R < 0 [N].")
+MassPair = Annotated[list[Annotated[float, parameter("mass")]], several(2, 2, "Two readings of the mass [kg].")]
+OpposingForces = Annotated[list[Annotated[float, parameter("axial_force", Lt(0))]], several(2, 2, "Forces R < 0 [N].")]
 
 
 class DriveFigure(FigureSettings):
@@ -162,8 +164,8 @@ class ContactPortrait(DriveFigure):
 
     unused: ClassVar = ("coupling_stiffness", "support_damping", "input_speed", "translation_damping", "axial_force")
 
-    contact_stiffness: parameter("contact_stiffness")
-    contact_dampings: tuple[_Zero, parameter("contact_damping", Gt(0))] = Field(
+    contact_stiffness: Stiffness
+    contact_dampings: tuple[_Zero, Annotated[float, parameter("contact_damping", Gt(0))]] = Field(
         strict=False, description="Contact damping of both panels, none first [N s/m]."
     )
     force: Span = Field(description="Contact force in the scale of the chapter [1/(kg m2)].")

@@ -7,7 +7,7 @@ from lsvib.datasets.attributes import flag_names
 from lsvib.errors import InputError
 from lsvib.pictures import drawing, style
 
-COLOURS = {
+COLOURS: dict[str, str] = {
     "steady sliding": style.SKY,
     "stick slip cycle": style.GREEN,
     "sprag slip cycle": style.ORANGE,
@@ -29,7 +29,7 @@ def draw(dataset: xr.Dataset) -> style.Figure:
         raise InputError("only maps of u and w can be drawn.")
     figure = style.new_figure(style.DOUBLE, 3.8)
     axes = figure.add_subplot()
-    first = draw_map(axes, dataset) if "label" in dataset else []
+    first = draw_map(axes, dataset) if "label" in dataset else ()
     if "boundary_angle" in dataset:
         boundary = dataset.boundary_angle, dataset.boundary_velocity
         axes.plot(*boundary, color=style.BLACK, linewidth=0.9, label="exact boundary")
@@ -47,7 +47,7 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     return style.legend(figure, [axes], 1, first, "outside right upper")
 
 
-def draw_map(axes: style.Axes, dataset: xr.Dataset) -> list:
+def draw_map(axes: style.Axes, dataset: xr.Dataset) -> tuple[object, ...]:
     """Draw the cells, the paler the longer it takes within a region; returns patches for the legend."""
     from matplotlib.colors import to_rgb
     from matplotlib.patches import Patch
@@ -70,10 +70,11 @@ def draw_map(axes: style.Axes, dataset: xr.Dataset) -> list:
         image[here] = 1 - share[:, None] * (1 - np.array(to_rgb(COLOURS[name])))
         patches.append(Patch(color=COLOURS[name], label=words))
     axes.imshow(image, origin="lower", extent=_limits(dataset), aspect="auto", interpolation="nearest", zorder=0)
-    return patches
+    return tuple(patches)
 
 
 def _limits(dataset: xr.Dataset) -> tuple[float, float, float, float]:
     """The outer edges of the cells: left, right, bottom, top."""
-    sides = ((x, 0.5 * float(x.attrs["cell_width"])) for x in (dataset.angle_deviation, dataset.velocity_deviation))
-    return tuple(edge for x, half in sides for edge in (float(x[0]) - half, float(x[-1]) + half))
+    u, w = dataset.angle_deviation, dataset.velocity_deviation
+    across, up = (0.5 * float(x.attrs["cell_width"]) for x in (u, w))
+    return float(u[0]) - across, float(u[-1]) + across, float(w[0]) - up, float(w[-1]) + up

@@ -36,7 +36,7 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw a sweep over two parameters with its curves."""
     figure = style.new_figure(style.DOUBLE, 4.3)
     axes, found = figure.add_subplot(), kinds(dataset)
-    down, across = found.dims
+    down, across = map(str, found.dims)
     found = found.sortby([down, across])
     for name, scale, limit, say in (
         (across, axes.set_xscale, axes.set_xlim, axes.set_xlabel),
@@ -69,7 +69,7 @@ def _in_ratios(values: np.ndarray) -> bool:
 def _edges(values: np.ndarray) -> np.ndarray:
     """The edges of the cells around values, half way to their neighbours."""
     if _in_ratios(values):
-        return np.exp(_edges(np.log(values)))
+        return np.asarray(np.exp(_edges(np.log(values))))
     half = np.diff(values) / 2 if values.size > 1 else np.array([0.5])
     return np.concatenate([values[:1] - half[:1], values[:-1] + half[: values.size - 1], values[-1:] + half[-1:]])
 
@@ -78,14 +78,14 @@ def _curves(axes: style.Axes, dataset: xr.Dataset, across: str, down: str) -> No
     """Draw the exact curves, and write its name on the longest line of each."""
     from matplotlib import patheffects
 
-    halo = {"path_effects": [patheffects.withStroke(linewidth=2.2, foreground="white")]}
-    names, longest = flag_names(dataset.boundary_name), {}
+    halo = [patheffects.withStroke(linewidth=2.2, foreground="white")]
+    names, longest = flag_names(dataset.boundary_name), dict[str, tuple[float, np.ndarray, np.ndarray]]()
     for number in np.unique(dataset.boundary_line.values):
         part = dataset.isel(boundary_point=dataset.boundary_line.values == number)
         name = names[int(part.boundary_name[0])]
         points = np.column_stack([part[f"boundary_{across}"], part[f"boundary_{down}"]])
         dashes = _CURVES.get(name, (name, "-"))[1]
-        axes.plot(*points.T, color=style.BLACK, linewidth=1.1, linestyle=dashes, zorder=2, **halo)
+        axes.plot(*points.T, color=style.BLACK, linewidth=1.1, linestyle=dashes, zorder=2, path_effects=halo)
         path = axes.transAxes.inverted().transform(axes.transData.transform(points))
         way = np.append(0.0, np.cumsum(np.hypot(*np.diff(path, axis=0).T)))
         if way[-1] > longest.get(name, (0.2,))[0]:  # words need a fifth of a side
@@ -97,5 +97,5 @@ def _curves(axes: style.Axes, dataset: xr.Dataset, across: str, down: str) -> No
         ]
         first, last = axes.transData.transform(ends)
         angle = np.degrees(np.arctan(np.divide(*(last - first)[::-1]))) if last[0] != first[0] else 90.0
-        axes.annotate(_CURVES.get(name, (name,))[0], ends[0], fontsize=7.5, rotation=angle, rotation_mode="anchor",
-                      ha="center", va="bottom", zorder=3, **halo)  # fmt: skip
+        axes.annotate(_CURVES.get(name, (name,))[0], (*ends[0],), fontsize=7.5, rotation=angle, rotation_mode="anchor",
+                      ha="center", va="bottom", zorder=3, path_effects=halo)  # fmt: skip

@@ -169,7 +169,7 @@ def regions(axes: style.Axes, x: Any, y: Any, flags: xr.DataArray, colours: Mapp
 
 
 def hatched(
-    axes: style.Axes, x: Any, y: Any, inside: Any, hatch: str, edge: str, colours: Any = "none", **look: Any
+    axes: style.Axes, x: Any, y: Any, inside: Any, hatch: str | None, edge: str, colours: Any = "none", **look: Any
 ) -> None:
     """Hatch the region of a map (y, x) where ``inside`` is 1."""
     area = axes.contourf(x, y, inside, levels=[0.5, 1.5], colors=colours, hatches=[hatch], **look)

@@ -33,7 +33,7 @@ PURPLE = "#CC79A7"
 WINE, OLIVE = "#882255", "#999933"  # Tol (2021), "Colour schemes", muted
 GREY = "#8C8C8C"
 
-PRINTED = {"color": BLACK, "linewidth": 0.6, "linestyle": (0, (5, 3))}  # a value that the chapter prints
+PRINTED = dict[str, Any](color=BLACK, linewidth=0.6, linestyle=(0, (5, 3)))  # a value that the chapter prints
 
 SINGLE = 3.5  # width of one journal column [inch]
 DOUBLE = 7.2  # width of two columns [inch]
