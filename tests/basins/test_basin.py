@@ -33,10 +33,6 @@ WINDOW = Window(-0.3, 0.3, -150.0, 150.0)
 LEFT_OUT = {*PART_OF, *NAMES, "friction_coefficient"}  # of a drive that gets a law of friction, and is rigid
 
 
-def drive_of(scene: str) -> Drive:
-    return BASINS[scene][1]
-
-
 def starts(found, number: int, seed: int) -> list[np.ndarray]:
     """Random states of the window, and as many 1e-6 of the window off the boundary in random directions."""
     generator = np.random.default_rng(seed)
@@ -57,7 +53,7 @@ def starts(found, number: int, seed: int) -> list[np.ndarray]:
 @pytest.mark.parametrize("rule", ["contact_sign", "at_once"])
 @pytest.mark.parametrize("scene", BASINS)
 def test_every_start_ends_where_the_basin_says(scene, rule):
-    found, automaton = basin(drive_of(scene)), automaton_of(drive_of(scene), resume=rule)
+    found, automaton = basin(BASINS[scene][1]), automaton_of(BASINS[scene][1], resume=rule)
     assert found.boundary.name.lower() == BASINS[scene][0]
     for state in starts(found, 40, 1):
         label = steady_state(automaton, state).label
@@ -104,7 +100,7 @@ def test_starts_beside_the_boundary_under_measured_laws(law, size):
 @pytest.mark.parametrize("scene", [scene for scene in BASINS if scene.startswith("friction law")])
 def test_boundary_under_a_law_against_the_map_by_cells(scene):
     """The map divides lines by the events of many motions forwards; its share errs by less than the cells cut."""
-    drive, number = drive_of(scene), 24
+    drive, number = BASINS[scene][1], 24
     found, size = basin(drive), abs(drive.input_speed) * np.array([8e-3, 5.0])
     axes = [Axis(name, -end, end, number) for name, end in zip("uw", size, strict=True)]
     cells = mapper(drive).cells(Grid(*axes), quantities=("label",))["label"] == Attractor.STEADY_SLIDING
@@ -131,7 +127,7 @@ def touching_motion(d: RigidTrueDrive):
 
 def test_area_against_forty_digits():
     """∫ w du by quadrature along the motion, and the straight part along Q = 0."""
-    drive = drive_of("Fig. 8.14b beyond m_cr")
+    drive = BASINS["Fig. 8.14b beyond m_cr"][1]
     with mp.workdps(DIGITS + GUARD_DIGITS):
         flow, touch, start, duration = touching_motion(RigidTrueDrive(dict(drive), DIGITS))
         turned = quad(lambda t: flow.state(-t)[1] ** 2, mp.linspace(0, duration, 9))
@@ -145,7 +141,7 @@ def test_area_against_forty_digits():
 
 def test_repelling_cycle_of_seizures_against_forty_digits():
     """Slip from (x, −Ω) that comes back to u = x just on Q = 0; the area to the right of it in a window."""
-    drive = drive_of("repelling cycle of seizures")
+    drive = BASINS["repelling cycle of seizures"][1]
     with mp.workdps(DIGITS + GUARD_DIGITS):
         d = RigidTrueDrive(dict(drive), DIGITS)
         found = basin(drive)
@@ -167,7 +163,7 @@ def test_area_in_a_window_is_the_sum_over_its_parts():
     """Random windows cut in two at random, upright or across: clipping loses and doubles nothing."""
     generator = np.random.default_rng(4)
     for scene in ("touching slip", "repelling cycle of slip", "Fig. 8.14b beyond m_cr", "Fig. 8.14b as printed"):
-        found = basin(drive_of(scene))
+        found = basin(BASINS[scene][1])
         for _ in range(25):
             left, right = np.sort(generator.uniform(-0.15, 0.15, 2))
             bottom, top = np.sort(generator.uniform(-60, 60, 2))
@@ -183,7 +179,7 @@ def test_area_in_a_window_is_the_sum_over_its_parts():
 @pytest.mark.parametrize("scene", ["the other way round", "repelling cycle of slip", "Fig. 8.14b beyond m_cr"])
 def test_share_of_windows_of_any_width_about_the_boundary(scene):
     """Beside random points of the window: within five standard errors of their share, or refused as too narrow."""
-    found, generator, refused = basin(drive_of(scene)), np.random.default_rng(6), 0
+    found, generator, refused = basin(BASINS[scene][1]), np.random.default_rng(6), 0
     points = found.line(Window(-0.3, 0.3, -150.0, 150.0))
     points = points[np.isfinite(points).all(axis=1)]
     for place in generator.choice(points, 60):
@@ -204,7 +200,7 @@ def test_share_of_windows_of_any_width_about_the_boundary(scene):
 
 def test_size_grows_with_the_force_until_nothing_bounds_it():
     """Without translation damping slip does not depend on R, so that the motion that touches Q = 0 scales with it."""
-    drive = drive_of("Fig. 8.14b beyond m_cr")
+    drive = BASINS["Fig. 8.14b beyond m_cr"][1]
     areas = [basin(drive.replace(axial_force=-r)).area() / r**2 for r in (1e-3, 1.0, 10.0, 32.0)]
     np.testing.assert_allclose(areas, areas[0], rtol=1e-13)
     assert basin(drive.replace(axial_force=-33.0)).area() == math.inf

@@ -172,7 +172,7 @@ def test_compiling_is_said_once_for_each_part(caplog):
     assert [words for words in told if "drives with parts, once, about 30 s" in words] == told[1:]
     assert len(told) == 2
     say = jit.sentence
-    assert "mapper of rigid drives" in say("lsvib.basins.kernels.labels", "Tables(array(float64, 2d, C))")
+    assert "mapper of rigid drives" in say("lsvib.basins.kernels.next_section", "Tables(array(float64, 2d, C))")
     told = say("lsvib.dynamics.kernels.sweep", "Tables(AnyFlow(array(float64, 2d, C)))")
     assert "the rule of what motions end in" in told
     assert say("lsvib.engine.kernels.flow_planar", "array(float64, 1d, C)") is None

@@ -24,6 +24,7 @@ class StateMapper(Mapper):
     """
 
     block = 1  # a row at a time
+    work = 700_000  # events of a motion, each of some microseconds
 
     def __init__(self, automaton: Automaton, starts: Starts) -> None:
         super().__init__(automaton, starts)
@@ -50,8 +51,8 @@ class StateMapper(Mapper):
     def follow(self, found: Mapping[str, np.ndarray], grid: Grid, i: int, j: int, x: float, y: float) -> None:
         """Fill the cell (i, j), at ``x`` and ``y``, by the one rule."""
         state = self.starts.state({**grid.fixed, grid.x.coordinate: x, grid.y.coordinate: y})
-        try:  # each event takes some microseconds
-            end, course = end_of_motion(self.automaton, state, max_events=700_000, known=self._known)
+        try:
+            end, course = end_of_motion(self.automaton, state, max_events=self.work, known=self._known)
             label, doubt, sprags, first = end.label, end.doubt, course.sprags, course.first_event
             time = np.inf if doubt is not None or label == Attractor.UNBOUNDED else course.time
         except EngineError as error:  # no mode fits the start

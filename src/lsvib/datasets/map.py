@@ -12,8 +12,7 @@ from lsvib import numbers, words
 from lsvib.basins.boundary import known_basin
 from lsvib.basins.curves import Window
 from lsvib.basins.grid import MOST_CELLS, Axis, Grid
-from lsvib.basins.labels import PlanarMapper
-from lsvib.basins.law_mapper import LawMapper
+from lsvib.basins.interval_mapper import IntervalMapper
 from lsvib.basins.mapper import NO_DOUBT, Mapper, Starts
 from lsvib.basins.slice_mapper import StateMapper
 from lsvib.datasets import attributes as cf
@@ -23,7 +22,6 @@ from lsvib.dynamics.attractor import Attractor, Doubt
 from lsvib.errors import InputError
 from lsvib.files import File
 from lsvib.models.drive import Drive
-from lsvib.models.friction import depends_on_speed
 from lsvib.models.model import automaton_of, coordinates, model_of
 from lsvib.models.names import Event
 
@@ -31,8 +29,7 @@ from lsvib.models.names import Event
 def mapper(drive: Drive) -> Mapper:
     """Return the mapper of a drive.
 
-    For a rigid drive whose motor turns that is a ``PlanarMapper`` or, under a friction law, a ``LawMapper``; else a
-    ``StateMapper``.
+    For a rigid drive whose motor turns that is an ``IntervalMapper``, else a ``StateMapper``.
 
     >>> import lsvib
     >>> grid = lsvib.Grid(lsvib.Axis("u", -0.03, 0.03, 4), lsvib.Axis("w", -5, 5, 2))
@@ -44,8 +41,7 @@ def mapper(drive: Drive) -> Mapper:
     u, w = abs(speed) * (drive.screw_inertia / drive.coupling_stiffness) ** 0.5, abs(speed)
     first = [{"u": x, "w": y} for x, y in ((u, 0.0), (-u, 0.0), (0.0, -1.5 * speed), (3 * u, 3 * w))]
     state = partial(model.initial_state, drive)
-    two = LawMapper if depends_on_speed(drive) else PlanarMapper
-    kind = two if drive.rigid and speed else StateMapper
+    kind = IntervalMapper if drive.rigid and speed else StateMapper
     return kind(automaton_of(drive), Starts(state, np.array([u, w]), [*map(state, first)]))
 
 

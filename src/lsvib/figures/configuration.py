@@ -32,11 +32,11 @@ _SHARED = {  # figures that are not in a module of their own name
 }
 _PACKAGE = Path(__file__).parents[1]
 _CHECKOUT = _PACKAGE.parents[1]
-_Name: Any = Literal[*FIGURES, *BENCHMARKS]
 DEFAULT = Path(__file__).with_name("config.yaml")
 _NO_FIGURES = ("table_8_1", "assessments", "assessment_samples", "attraction", "chart")  # sections of other things
 FIGURES = tuple(name for name in read_yaml(DEFAULT) if name not in (*_NO_FIGURES, *BENCHMARKS))
 """The figures of the package, those of the chapter first: each has a section in ``config/config.yaml``."""
+_Name: Any = Literal[*FIGURES, *BENCHMARKS]
 
 PARTS = ("analysis", "maps")
 """Functions of some figures whose results, each a dataset, its ``build`` takes: the analysis of its drives, and maps of
