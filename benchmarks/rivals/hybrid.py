@@ -19,7 +19,8 @@ from benchmarks.rivals.race_scenes import RaceScene
 from benchmarks.sweeps.paths import fields
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import event_loop
-from lsvib.engine.kernels.layout import ACCUMULATION_KIND, CONSTANT, GRAZE_KIND, TaylorFlow, Test
+from lsvib.engine.kernels.law import CONSTANT
+from lsvib.engine.kernels.layout import ACCUMULATION_KIND, GRAZE_KIND, TaylorFlow, Test
 from lsvib.models.names import Event
 
 ROUNDING = 1e-12  # A sum that is smaller, relative to its terms, is zero.

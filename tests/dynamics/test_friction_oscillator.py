@@ -21,7 +21,8 @@ from lsvib.dynamics.continuation import follow_cycle
 from lsvib.dynamics.cycles import cycle_of
 from lsvib.engine.automaton import Branch, Guard, Mode, Surface, Transition, assemble
 from lsvib.engine.exact.taylor_form import TaylorMode, still_mode
-from lsvib.engine.kernels.layout import CONSTANT, EXPONENT, FADE, FIRST_MODEL_KIND, PIECE, RISE, TO
+from lsvib.engine.kernels.law import CONSTANT, EXPONENT, FADE, PIECE, RISE, TO
+from lsvib.engine.kernels.layout import FIRST_MODEL_KIND
 from lsvib.engine.kernels.layout import Test as Is
 from lsvib.models.sliding import divided
 

@@ -18,6 +18,7 @@ import numpy as np
 from flint import arb_series, fmpq_poly
 
 from lsvib.engine.exact.arithmetic import exponential, root, sign
+from lsvib.engine.kernels import law
 from lsvib.errors import InputError
 
 NAMES = (  # of the parameters that make more of friction than one number
@@ -56,22 +57,29 @@ def steady_speed(d: Any) -> Any:
     return d.pitch_radius * (d.input_speed * sign(d.input_speed)) / d.cos_lead
 
 
+def piece_of(d: Any) -> list[Any]:
+    """Return the sum above as a piece of a law, with the columns of :mod:`lsvib.engine.kernels.law`."""
+    fade, power = 0 if _zero(d.stribeck_rise) else 1 / _scale(d), d.stribeck_exponent
+    power = power if isinstance(power, np.ndarray) else 2 if power == 2 else 1
+    return [0, math.inf, d.friction_coefficient, d.friction_slope, d.stribeck_rise, fade, power]
+
+
 def decay(d: Any, speed: Any) -> Any:
     """Return the share of the rise that is left at a sliding speed [m/s], the exponential above [1]."""
-    scale, power = _fading(d)
-    return exponential(-((speed / scale) ** power))
+    return exponential(-law.exponent(piece_of(d), speed / _scale(d)))
 
 
 def unbounded(d: Any, speed: Any) -> tuple[Any, Any]:
     """Return the sum above at a sliding speed [m/s], which may be negative [1], and its derivative [s/m]."""
-    value, rate = d.friction_coefficient, 0 * speed
-    if not _zero(d.stribeck_rise):
-        scale, power = _fading(d)
-        left = d.stribeck_rise * (d.decay if hasattr(d, "decay") else decay(d, speed))
-        value, rate = value + left, rate - left * power * (speed / scale) ** (power - 1) / scale
-    if not _zero(d.friction_slope):
-        value, rate = value + d.friction_slope * speed, rate + d.friction_slope
-    return value, rate
+    if _zero(d.stribeck_rise):
+        return law.value(piece_of(d), speed, 0, 0)[:2]
+    return law.value(piece_of(d), speed, speed / _scale(d), d.decay if hasattr(d, "decay") else decay(d, speed))[:2]
+
+
+def _scale(d: Any) -> Any:
+    """Return the speed over which the rise fades; of many drives any where there is no rise."""
+    scale = d.stribeck_speed
+    return np.where(scale == 0, 1.0, scale) if isinstance(scale, np.ndarray) else scale
 
 
 def unbounded_coefficient(d: Any, speed: Any) -> Any:
@@ -154,14 +162,6 @@ def steady(p: Mapping[str, Any], t: Any) -> tuple[Any, Any]:
     if isinstance(value, np.ndarray):
         return np.where(value < 0, 0.0, value), np.where(value < 0, 0.0, rate)
     return (0 * value, 0 * rate) if _negative(value) else (value, rate)
-
-
-def _fading(d: Any) -> tuple[Any, Any]:
-    """The speed and the exponent with which the rise fades; the speed is any where there is no rise."""
-    scale, power = d.stribeck_speed, d.stribeck_exponent
-    if isinstance(scale, np.ndarray):
-        scale = np.where(scale == 0, 1.0, scale)
-    return scale, power if isinstance(power, np.ndarray) else 2 if power == 2 else 1
 
 
 def _zero(x: Any) -> bool:

@@ -6,7 +6,7 @@ vibration then has events, and so a Poincaré map.
 """
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from types import SimpleNamespace
@@ -17,9 +17,10 @@ import numpy as np
 from lsvib.engine.automaton import Branch, Guard, Mode, Surface, Transition, scaled
 from lsvib.engine.exact.arithmetic import Divided, Row, double, doubles, many_digits, sign
 from lsvib.engine.exact.taylor_form import settled_region
-from lsvib.engine.kernels.layout import CONSTANT, EXPONENT, FADE, LINEAR, PIECE, RISE, TO, Test
+from lsvib.engine.kernels.law import FROM, PIECE, TO, bends
+from lsvib.engine.kernels.layout import Test
 from lsvib.models import friction
-from lsvib.models.friction import unbounded_coefficient
+from lsvib.models.friction import unbounded, unbounded_coefficient
 from lsvib.numbers import bisected
 
 _LAW = ("friction_coefficient", *friction.NAMES)
@@ -41,21 +42,17 @@ def of_law(found: Callable[..., Any], d: Any, *more: Any) -> np.ndarray:
 
 
 def pieces_of(drive: Any) -> np.ndarray:
-    """Return the pieces of the friction law of a drive (p, columns as of ``TaylorFlow``)."""
-    piece = np.zeros(PIECE)
-    piece[CONSTANT], piece[LINEAR] = drive.friction_coefficient, drive.friction_slope
-    piece[EXPONENT], piece[TO] = drive.stribeck_exponent, math.inf
-    if drive.stribeck_rise:
-        piece[RISE], piece[FADE] = drive.stribeck_rise, 1 / drive.stribeck_speed
+    """Return the pieces of the friction law of a drive (p, columns as of :mod:`lsvib.engine.kernels.law`)."""
+    piece = np.array(friction.piece_of(drive), dtype=float)
     if drive.friction_slope >= 0:
         return piece[None]
     # The law falls for ever, so it comes to zero once; with a rise later than without.
     low = high = drive.friction_coefficient / -drive.friction_slope
     while unbounded_coefficient(drive, high) > 0:
         high = 2 * high + 1e-300
-    end = _root(drive, 0.0, low, high) if high > low else low
     zero = np.zeros(PIECE)
-    zero[0], zero[TO], piece[TO] = end, math.inf, end
+    (end,) = _passes(lambda v: unbounded_coefficient(drive, v), [low, high]) or [low]
+    zero[FROM], zero[TO], piece[TO] = end, math.inf, end
     return np.array([piece, zero])
 
 
@@ -66,11 +63,8 @@ def speeds_below(drive: Any, level: float) -> list[tuple[float, float]]:
     # So far out the rise has faded, and the slope alone has taken the coefficient over the level, or down to zero.
     slope = abs(drive.friction_slope)
     far = 50 * drive.stribeck_speed + (2 * (drive.friction_coefficient + level) / slope if slope else 0.0)
-    marks = [0.0]
-    for low, high in pairwise([0.0, *_turning_speeds(drive), far]):
-        if low < high and (_mu(drive, low) < level) != (_mu(drive, high) < level):
-            marks.append(_root(drive, level, low, high))
-    marks.append(math.inf)
+    turns = _passes(lambda v: unbounded(drive, v)[1], [0.0, *bends(friction.piece_of(drive)), far])
+    marks = [0.0, *_passes(lambda v: _mu(drive, v) - level, [0.0, *turns, far]), math.inf]
     parts = [(a, b) for a, b in pairwise(marks) if a < b]
     middle = [0.5 * (a + b) if math.isfinite(b) else 2 * a + 1e-12 for a, b in parts]
     return [part for part, v in zip(parts, middle, strict=True) if _mu(drive, v) < level]
@@ -90,32 +84,15 @@ def critical_coefficient(inertia: Any, d: Any, mass: Any) -> float:
         return found
 
 
-def _turning_speeds(drive: Any) -> list[float]:
-    """Speeds at which the slope of the law changes its sign."""
-    rise, speed, slope = drive.stribeck_rise, drive.stribeck_speed, drive.friction_slope
-    if not rise or slope <= 0:
-        return []
-    steep = slope * speed / rise
-    if drive.stribeck_exponent == 1:
-        return [speed * -math.log(steep)] if steep < 1 else []
-    crest = math.sqrt(0.5)  # where the rise falls fastest, in Stribeck speeds
-
-    def falls(x: float) -> bool:
-        """Whether friction falls at a sliding speed of so many Stribeck speeds."""
-        return bool(2 * x * math.exp(-x * x) > steep)
-
-    if not falls(crest):
-        return []
-    return [speed * bisected(falls, 0.0, crest), speed * bisected(lambda x: not falls(x), crest, 30.0)]
-
-
 def _mu(drive: Any, speed: float) -> float:
     return float(max(unbounded_coefficient(drive, speed), 0.0))
 
 
-def _root(drive: Any, level: float, low: float, high: float) -> float:
-    begins_below = unbounded_coefficient(drive, low) < level
-    return bisected(lambda v: (unbounded_coefficient(drive, v) < level) != begins_below, low, high)
+def _passes(function: Callable[[float], float], marks: Sequence[float]) -> list[float]:
+    """Return where a function, which only grows or only falls between two ``marks``, becomes negative or ceases to."""
+    pairs = [(low, high, function(low) < 0) for low, high in pairwise(marks) if low < high]
+    ends = [(low, high, begins) for low, high, begins in pairs if (function(high) < 0) != begins]
+    return [bisected(lambda v, b=begins: (function(v) < 0) != b, low, high) for low, high, begins in ends]  # type: ignore
 
 
 def divided(

@@ -17,7 +17,6 @@ exponential of the law are enclosed like t, and the class is taken if it is the 
 from collections.abc import Iterator, Mapping
 from enum import IntEnum
 from functools import cache
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -185,9 +184,8 @@ def enclosed(drive: Drive, digits: int = 100) -> tuple[tuple[dict[str, fmpq], fm
     with ctx.workdps(digits + 10):
         sine, cosine = arb(drive.lead_angle).sin_cos()
         secant, left = 1 / cosine, arb(1)
-        if drive.stribeck_speed:
-            d = SimpleNamespace(stribeck_speed=arb(drive.stribeck_speed), stribeck_exponent=drive.stribeck_exponent)
-            left = friction.decay(d, arb(drive.pitch_radius) * abs(arb(drive.input_speed)) * secant)
+        if drive.stribeck_rise:
+            left = friction.decay(drive.exact(), arb(drive.pitch_radius) * abs(arb(drive.input_speed)) * secant)
         # What is left of a rise may have no end of digits; so little of it counts only where nothing else does.
         decays = _beside(left, digits) if left > LEAST else (LEAST**3, LEAST)
         ends = zip(_beside(secant, digits), decays, _beside(sine * secant, digits), strict=True)

@@ -8,66 +8,41 @@ import numpy as np
 
 from lsvib.engine.kernels.flow_taylor import (
     CONTACT,
-    DECAY,
     ETA,
     MU,
     POWER,
     REST,
-    SIGMA,
     SLOPE,
     STEEP,
     begin,
+    field_at,
     find_share,
     go_on,
-    law_at,
     note_sizes,
     piece_at,
     product,
     series_for,
+    slope_of_law,
     take_step,
     value_at,
 )
 from lsvib.engine.kernels.jit import allocating_kernel, inlined_kernel, kernel
-from lsvib.engine.kernels.layout import EXPONENT, FADE, LINEAR, ORDER, RISE
+from lsvib.engine.kernels.layout import ORDER
 
 
 @kernel
 def field(flow, mode, state, rate, size):
     """Write x′ at a state, and the sizes of its terms, both (n)."""
-    n, piece = state.size, piece_at(flow, mode, state)
-    force = force_size = share = 0.0
-    if piece >= 0:
-        row = flow.contact[mode]
-        force, force_size = row[n], abs(row[n])
-        for i in range(n):
-            force += row[i] * state[i]
-            force_size += abs(row[i] * state[i])
-        sigma = flow.speed[mode, n]
-        for i in range(n):
-            sigma += flow.speed[mode, i] * state[i]
-        mu, _, _, _ = law_at(flow.pieces[piece], sigma)
-        share = mu / (1.0 + flow.feedback[mode] * mu)
-    for i in range(n):
-        rate[i] = flow.field[mode, i, n] + flow.push[mode, i] * share * force
-        size[i] = abs(flow.field[mode, i, n]) + abs(flow.push[mode, i] * share) * force_size
-        for j in range(n):
-            rate[i] += flow.field[mode, i, j] * state[j]
-            size[i] += abs(flow.field[mode, i, j] * state[j])
+    field_at(flow, mode, piece_at(flow, mode, state), state, state, rate, size)
 
 
 @inlined_kernel
 def _steepness(flow, mode, piece, parts):
     """Write the series of q dη/dσ = q μ′ (1 − B η)² from those of the step."""
-    law, feedback, decay = flow.pieces[piece], flow.feedback[mode], parts[DECAY]
-    slope, rest = parts[SLOPE], parts[REST]
+    feedback, slope, rest = flow.feedback[mode], parts[SLOPE], parts[REST]
     find_share(flow, mode, parts)
+    slope_of_law(flow.pieces[piece], parts, slope)
     for k in range(ORDER):
-        slope[k] = law[LINEAR] if k == 0 else 0.0
-        if law[RISE] != 0.0:
-            steep = decay[k]
-            if law[EXPONENT] != 1.0:
-                steep = 2.0 * law[FADE] * product(parts[SIGMA], decay, 0, k)
-            slope[k] -= law[RISE] * law[FADE] * steep
         rest[k] = (1.0 if k == 0 else 0.0) - feedback * parts[ETA, k]
     for k in range(ORDER):  # products in place, from the highest power down
         parts[STEEP, k] = product(rest, rest, 0, k)

@@ -7,7 +7,9 @@ from typing import Any
 import numpy as np
 
 from lsvib.engine.exact.arithmetic import Row, added, double, doubles, place_of_largest
-from lsvib.engine.kernels.layout import CONSTANT, EXPONENT, FADE, FROM, LINEAR, PIECE, RISE, TO, TaylorFlow
+from lsvib.engine.kernels import law
+from lsvib.engine.kernels.law import FADE, FROM, PIECE, TO
+from lsvib.engine.kernels.layout import TaylorFlow
 
 
 @dataclasses.dataclass(frozen=True)
@@ -122,12 +124,10 @@ def settled_region(
     n, whole = mode.push.shape[-1], np.append(place, np.ones((*place.shape[:-1], 1)), axis=-1)
     sigma = _dot(mode.speed, whole)
     mu, first, piece = coefficient(mode.pieces, sigma)
-    rise, fade, feedback = piece[..., RISE], piece[..., FADE], np.asarray(mode.feedback)
-    # bounds of both derivatives on the piece
-    steep, bent = abs(piece[..., LINEAR]) + rise * fade, 2 * rise * fade**2
+    (steep, bent), feedback = law.bounds(piece), np.asarray(mode.feedback)
     one = 1 + feedback * mu
-    reaches = sigma / 2, abs(one) / np.maximum(2 * abs(feedback) * steep, 1e-300), sigma - piece[..., FROM]
-    reach = np.minimum.reduce(np.broadcast_arrays(*reaches, piece[..., TO] - sigma))
+    reaches = sigma / 2, abs(one) / np.maximum(2 * abs(feedback) * steep, 1e-300), sigma - piece[FROM]
+    reach = np.minimum.reduce(np.broadcast_arrays(*reaches, piece[TO] - sigma))
     slope = first / one**2
     steep, bent = 4 * steep / one**2, 4 * bent / one**2 + 16 * abs(feedback) * steep**2 / abs(one) ** 3
     force, unit = _dot(mode.contact, whole), np.eye(n)
@@ -179,21 +179,10 @@ def _numbers(matrix: np.ndarray) -> np.ndarray:
 
 
 def coefficient(pieces: np.ndarray, sigma: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return μ and μ′ of a law by its pieces (..., p, PIECE) at a sliding speed [m/s] (...), and the piece there."""
-    piece = _piece_at(pieces, sigma)
-    return *_law(piece, sigma), piece
-
-
-def _piece_at(pieces: np.ndarray, sigma: np.ndarray) -> np.ndarray:
-    """Return the piece of a law, of pieces (..., p, PIECE), that holds at a sliding speed [m/s] (...)."""
+    """Return μ and μ′ of a law by its pieces (..., p, PIECE) at a sliding speed [m/s] (...), and columns there."""
     place = (pieces[..., 1:, FROM] <= sigma[..., None]).sum(axis=-1)
     pieces = np.broadcast_to(pieces, (*place.shape, *pieces.shape[-2:]))
-    return np.take_along_axis(pieces, place[..., None, None], axis=-2)[..., 0, :]
-
-
-def _law(piece: np.ndarray, sigma: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return μ of pieces of a law (..., PIECE) and its derivative at a sliding speed [m/s] (...)."""
-    ratio, squared = piece[..., FADE] * sigma, piece[..., EXPONENT] == 2
-    decay = piece[..., RISE] * np.exp(-np.where(squared, ratio**2, ratio))
-    value = piece[..., CONSTANT] + piece[..., LINEAR] * sigma + decay
-    return value, piece[..., LINEAR] - decay * piece[..., FADE] * np.where(squared, 2 * ratio, 1)
+    here = np.moveaxis(np.take_along_axis(pieces, place[..., None, None], axis=-2)[..., 0, :], -1, 0)
+    ratio = here[FADE] * sigma
+    mu, slope, _ = law.value(here, sigma, ratio, np.exp(-law.exponent(here, ratio)))
+    return mu, slope, here

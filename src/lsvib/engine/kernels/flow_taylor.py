@@ -15,16 +15,18 @@ from typing import NamedTuple
 import numpy as np
 
 from lsvib.engine.kernels.flow_planar import EPS, ROUNDING
-from lsvib.engine.kernels.jit import allocating_entry, allocating_kernel, inlined_kernel, kernel
-from lsvib.engine.kernels.layout import CONSTANT, EXPONENT, FADE, FROM, LINEAR, ORDER, RISE, TO
+from lsvib.engine.kernels.jit import allocating_entry, allocating_kernel, inlined_kernel, kernel, on_stack
+from lsvib.engine.kernels.law import EXPONENT, FADE, FROM, LINEAR, RISE, TO, exponent, value
+from lsvib.engine.kernels.layout import ORDER
 
 _ORDERS = np.arange(ORDER + 1.0)
 _INVERSE = np.concatenate([[0.0], 1 / _ORDERS[1:]])  # a product takes less than a quotient
 _ONE, _TWO = np.uint64(1), np.uint64(2)
 TAIL = math.log(EPS / 32)  # of the first term of a series that is left out, over the size of a coordinate
-NOTHING = 45.0  # (fade σ)^exponent of a decay that is below the rounding of a coefficient of friction
+_NOTHING = 45.0  # (fade σ)^exponent of a decay that is below the rounding of a coefficient of friction
 # Rows of series beside those of the state.
 SIGMA, POWER, DECAY, MU, ETA, CONTACT, STEEP, SLOPE, REST, RATE, MATRIX = range(11)
+_exponent, _value = inlined_kernel(exponent), inlined_kernel(value)
 
 
 class Series(NamedTuple):
@@ -91,15 +93,63 @@ def _affine(row, state, k, n):
 
 @inlined_kernel
 def law_at(law, sigma):
-    """Return what a piece of the law is at a sliding speed [m/s].
+    """Return μ and μ′ [s/m] of a piece at a sliding speed [m/s]."""
+    ratio = law[FADE] * sigma
+    mu, slope, _ = _value(law, sigma, ratio, math.exp(-_exponent(law, ratio)))
+    return mu, slope
 
-    That is μ, μ′ [s/m], the exponential and its logarithmic derivative [s/m].
+
+@inlined_kernel
+def _begin_law(law, parts):
+    """Write the first coefficients of a law from that of σ; returns μ and μ′ [s/m]."""
+    ratio = law[FADE] * parts[SIGMA, 0]
+    parts[DECAY, 0] = math.exp(-_exponent(law, ratio))
+    parts[MU, 0], slope, parts[RATE, 0] = _value(law, parts[SIGMA, 0], ratio, parts[DECAY, 0])
+    return parts[MU, 0], slope
+
+
+@inlined_kernel
+def _prepare_law(law, parts, k):
+    """Return what the coefficients before add to the k-th one of μ, and write what they add to others."""
+    sigma, decay, rate = parts[SIGMA], parts[DECAY], parts[RATE]
+    if law[RISE] == 0.0:
+        decay[k] = rate[k] = 0.0
+        return 0.0
+    rate[k] = 0.0 if law[EXPONENT] == 1.0 else -law[FADE] * law[FADE] * _between(sigma, sigma, k)
+    decay[k] = _between(rate, decay, k) * _INVERSE[k] + rate[k] * decay[0]
+    return law[RISE] * decay[k]
+
+
+@inlined_kernel
+def _complete_law(parts, k):
+    """Add to the k-th coefficients what that of σ adds; that of μ is known from its slope."""
+    decay, rate, own = parts[DECAY], parts[RATE], parts[SIGMA, k]
+    decay[k] += rate[0] * decay[0] * own
+    rate[k] = _ORDERS[k] * (rate[k] + rate[0] * own)
+
+
+@inlined_kernel
+def slope_of_law(law, parts, slope):
+    """Write the series of μ′ [s/m]."""
+    for k in range(ORDER):
+        slope[k] = law[LINEAR] if k == 0 else 0.0
+        if law[RISE] != 0.0:
+            steep = parts[DECAY, k]
+            if law[EXPONENT] != 1.0:
+                steep = 2.0 * law[FADE] * product(parts[SIGMA], parts[DECAY], 0, k)
+            slope[k] -= law[RISE] * law[FADE] * steep
+
+
+@inlined_kernel
+def _wakes_below(law, sigma):
+    """Return the sliding speed [m/s] below which a decay that is nothing at ``sigma`` counts, infinite if none is.
+
+    All terms of its series that are kept may be nothing, and yet the decay large before the end of a step: the length
+    of the step, made of these terms, cannot know.
     """
-    linear, ratio = law[EXPONENT] == 1.0, law[FADE] * sigma
-    decay = math.exp(-ratio if linear else -ratio * ratio)
-    falls = -law[FADE] if linear else -2.0 * law[FADE] * ratio
-    rise = law[RISE] * decay
-    return law[CONSTANT] + law[LINEAR] * sigma + rise, law[LINEAR] + rise * falls, decay, falls
+    if law[RISE] == 0.0 or _exponent(law, law[FADE] * sigma) <= _NOTHING:
+        return math.inf
+    return ((_NOTHING - 1.0) if law[EXPONENT] == 1.0 else math.sqrt(_NOTHING - 1.0)) / law[FADE]
 
 
 @inlined_kernel
@@ -107,18 +157,17 @@ def _begin_force(flow, mode, piece, series, n):
     """Write the first coefficients of μ and of the force η q, and the linear field at the start.
 
     That has a row for each coordinate, for σ and for q, of what the coordinates add to its rate, and at last what the
-    rest of the force adds. Returns the force, η over μ, μ′ [s/m], the logarithmic derivative of the exponential [s/m].
+    rest of the force adds. Returns the force, η over μ, and μ′ [s/m].
     """
     parts, rows, force = series.parts, series.parts[MATRIX:], 0.0
-    share = slope = falls = mu = rest = 0.0
+    share = slope = mu = rest = 0.0
     speed, contact, push = flow.speed[mode], flow.contact[mode], flow.push[mode]
     if piece >= 0:
-        sigma, pressed = _affine(speed, series.state, 0, n), _affine(contact, series.state, 0, n)
-        mu, slope, decay, falls = law_at(flow.pieces[piece], sigma)
+        parts[SIGMA, 0], pressed = _affine(speed, series.state, 0, n), _affine(contact, series.state, 0, n)
+        mu, slope = _begin_law(flow.pieces[piece], parts)
         share = 1.0 / (1.0 + flow.feedback[mode] * mu)
         force = share * mu * pressed
         rest = pressed - flow.feedback[mode] * force
-        parts[SIGMA, 0], parts[DECAY, 0], parts[MU, 0] = sigma, decay, mu
         parts[CONTACT, 0], parts[REST, 0] = pressed, rest
     for j in range(n + 1):
         of_force = share * (mu * contact[j] + rest * slope * speed[j]) if j < n else 1.0
@@ -127,7 +176,7 @@ def _begin_force(flow, mode, piece, series, n):
             rows[i, j] = push[i] * of_force + (flow.field[mode, i, j] if j < n else 0.0)
             rows[n, j] += speed[i] * rows[i, j]
             rows[n + 1, j] += contact[i] * rows[i, j]
-    return force, share, slope, falls
+    return force, share, slope
 
 
 @inlined_kernel
@@ -149,12 +198,11 @@ def _expand(flow, mode, piece, series, n):
     from the order before, like those of the state, and as what it knows last is added last.
     """
     x, parts, unit, rows = series.state, series.parts, series.unit[0], series.parts[MATRIX:]
-    sigma, decay, rate, mu, rest = parts[SIGMA], parts[DECAY], parts[RATE], parts[MU], parts[REST]
-    law, feedback, left, bent, late = flow.pieces[max(piece, 0)], flow.feedback[mode], 0.0, 0.0, 0.0
+    mu, rest, law, feedback, left = parts[MU], parts[REST], flow.pieces[max(piece, 0)], flow.feedback[mode], 0.0
     own = pressed = 0.0
     for i in range(n):
         x[i, 0] = series.here[i]
-    force, share, slope, falls = _begin_force(flow, mode, piece, series, n)
+    force, share, slope = _begin_force(flow, mode, piece, series, n)
     for i in range(n):
         x[i, 1] = unit * (_affine(flow.field[mode, i], x, 0, n) + flow.push[mode, i] * force)
         own += flow.speed[mode, i] * x[i, 1]
@@ -162,12 +210,10 @@ def _expand(flow, mode, piece, series, n):
     k = _ONE
     while k < np.uint64(ORDER):
         if piece >= 0:
-            if law[RISE] != 0.0:
-                bent = 0.0 if law[EXPONENT] == 1.0 else -law[FADE] * law[FADE] * _between(sigma, sigma, k)
-                late = _between(rate, decay, k) * _INVERSE[k] + bent * decay[0]
-            left = share * rest[0] * law[RISE] * late + share * _between(mu, rest, k)
-            sigma[k], parts[CONTACT, k], rate[k] = own, pressed, _ORDERS[k] * (bent + falls * own)
-            decay[k], mu[k] = late + falls * decay[0] * own, law[RISE] * late + slope * own
+            late = _prepare_law(law, parts, k)
+            left = share * rest[0] * late + share * _between(mu, rest, k)
+            parts[SIGMA, k], parts[CONTACT, k], mu[k] = own, pressed, late + slope * own
+            _complete_law(parts, k)
             rest[k] = pressed - feedback * share * (mu[0] * pressed + rest[0] * slope * own) - feedback * left
         scale = unit * _INVERSE[k + _ONE]
         for i in range(n):
@@ -298,21 +344,6 @@ def _first_beyond(form, bound, side, step):
     return step
 
 
-@kernel
-def _cut_at_rise(law, sigma, step):
-    """Return a step, in units of its series, that ends where a decay which is nothing at first begins to count, if so.
-
-    All terms of its series that are kept may be nothing, and yet the decay large before the end of a step: the length
-    of the step, made of these terms, cannot know.
-    """
-    ratio, linear = law[FADE] * sigma[0], law[EXPONENT] == 1.0
-    if law[RISE] == 0.0 or (ratio if linear else ratio * ratio) <= NOTHING:
-        return step
-    return _first_beyond(
-        sigma[:ORDER], ((NOTHING - 1.0) if linear else math.sqrt(NOTHING - 1.0)) / law[FADE], 1.0, step
-    )
-
-
 @inlined_kernel
 def _find_spans(series, step):
     """Write bounds of the changes of all coordinates on a step [s] to ``spans``; their sum is the change at its end."""
@@ -329,8 +360,9 @@ def _find_spans(series, step):
 def _cut_at_piece(flow, mode, piece, series, step):
     """Return the end of a step [s] within a piece of the law, and the piece that holds from there on; finds spans."""
     unit = series.unit[0]
-    if piece >= 0:
-        step = unit * _cut_at_rise(flow.pieces[piece], series.parts[SIGMA], step / unit)
+    below = _wakes_below(flow.pieces[piece], series.parts[SIGMA, 0]) if piece >= 0 else math.inf
+    if below < math.inf:
+        step = unit * _first_beyond(series.parts[SIGMA, :ORDER], below, 1.0, step / unit)
     _find_spans(series, step)
     if flow.piece_start[mode + 1] - flow.piece_start[mode] < 2:
         return step, piece
@@ -406,37 +438,47 @@ def travel(flow, mode, state, stay, scale, work):
 
 
 @kernel
-def slopes_at(flow, mode, state, scale, guard):
-    """First and second derivative of a guard at a state, each with the size below which it is rounding only."""
-    n, piece, push = state.size, piece_at(flow, mode, state), flow.push[mode]
-    share = steep = pressed = size_of_force = pushed = 0.0
+def field_at(flow, mode, piece, state, scale, rate, size):
+    """Write x′ at a state and the sizes of its terms, by those of the state, both (n); ``piece`` of the law, or −1.
+
+    Returns η [1], dη/dσ [s/m] and q [N].
+    """
+    n, row = state.size, flow.contact[mode]
+    share = steep = force_size = 0.0
+    force = row[n]
     if piece >= 0:
-        sigma, pressed = flow.speed[mode, n], flow.contact[mode, n]
-        size_of_force = abs(flow.contact[mode, n])
+        sigma, force_size = flow.speed[mode, n], abs(row[n])
         for j in range(n):
             sigma += flow.speed[mode, j] * state[j]
-            pressed += flow.contact[mode, j] * state[j]
-            size_of_force += abs(flow.contact[mode, j]) * scale[j]
-        mu, slope, _, _ = law_at(flow.pieces[piece], sigma)
+            force += row[j] * state[j]
+            force_size += abs(row[j] * scale[j])
+        mu, slope = law_at(flow.pieces[piece], sigma)
         one = 1.0 + flow.feedback[mode] * mu
         share, steep = mu / one, slope / (one * one)
-        size_of_force *= abs(share)
-    rate = rate_size = bend = bend_size = sigma_rate = pressed_rate = 0.0
+    for i in range(n):
+        rate[i] = flow.field[mode, i, n] + flow.push[mode, i] * share * force
+        size[i] = abs(flow.field[mode, i, n]) + abs(flow.push[mode, i] * share) * force_size
+        for j in range(n):
+            rate[i] += flow.field[mode, i, j] * state[j]
+            size[i] += abs(flow.field[mode, i, j] * scale[j])
+    return share, steep, force
+
+
+@kernel
+def slopes_at(flow, mode, state, scale, guard):
+    """First and second derivative of a guard at a state, each with the size below which it is rounding only."""
+    n, own, size = state.size, on_stack(state.size), on_stack(state.size)
+    share, steep, pressed = field_at(flow, mode, piece_at(flow, mode, state), state, scale, own, size)
+    rate = rate_size = bend = bend_size = sigma_rate = pressed_rate = pushed = 0.0
     for j in range(n):
-        own = flow.field[mode, j, n] + push[j] * share * pressed  # x′ of the coordinate
-        size = abs(flow.field[mode, j, n]) + abs(push[j]) * size_of_force
+        rate += guard[j] * own[j]
+        rate_size += abs(guard[j]) * size[j]
+        pushed += guard[j] * flow.push[mode, j]
+        sigma_rate += flow.speed[mode, j] * own[j]
+        pressed_rate += flow.contact[mode, j] * own[j]
         for i in range(n):
-            own += flow.field[mode, j, i] * state[i]
-            size += abs(flow.field[mode, j, i]) * scale[i]
-        rate += guard[j] * own
-        rate_size += abs(guard[j]) * size
-        pushed += guard[j] * push[j]
-        for i in range(n):
-            bend += guard[i] * flow.field[mode, i, j] * own
-            bend_size += abs(guard[i] * flow.field[mode, i, j]) * size
-        if piece >= 0:
-            sigma_rate += flow.speed[mode, j] * own
-            pressed_rate += flow.contact[mode, j] * own
+            bend += guard[i] * flow.field[mode, i, j] * own[j]
+            bend_size += abs(guard[i] * flow.field[mode, i, j]) * size[j]
     bend += pushed * (steep * sigma_rate * pressed + share * pressed_rate)
     bend_size = max(bend_size, abs(bend) * ROUNDING)
     return rate, ROUNDING * rate_size, bend, ROUNDING * bend_size

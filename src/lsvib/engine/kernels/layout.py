@@ -168,8 +168,6 @@ class ModalFlow(NamedTuple):
 
 
 ORDER = 20  # of the power series of a step, which an error of a rounding asks for (Jorba and Zou 2005)
-FROM, TO, CONSTANT, LINEAR, RISE, FADE, EXPONENT = range(7)  # columns of a piece of a friction law
-PIECE = 7  # of all columns
 
 
 class TaylorFlow(NamedTuple):
@@ -177,11 +175,9 @@ class TaylorFlow(NamedTuple):
 
         x′ = P(x) + η d q(x),      η = μ(σ) / (1 + B μ(σ)),
 
-    where P is the motion without friction, and q and σ are affine functions of the state. The law μ has pieces,
-
-        μ(σ) = constant + linear σ + rise exp(−(fade σ)^exponent)      from ≤ σ ≤ to,
-
-    of which a mode without friction has none. A motion with yᵀ S y ≤ L in a mode, y = x − x₀, stays there for ever.
+    where P is the motion without friction, and q and σ are affine functions of the state. The law μ has pieces
+    (:mod:`lsvib.engine.kernels.law`), of which a mode without friction has none. A motion with yᵀ S y ≤ L in a mode,
+    y = x − x₀, stays there for ever.
     """
 
     field: np.ndarray  # (m, n, n + 1) P
