@@ -21,7 +21,6 @@ from lsvib.dynamics.continuation import follow_cycle
 from lsvib.dynamics.cycles import cycle_of
 from lsvib.engine.automaton import Branch, Guard, Mode, Surface, Transition, assemble
 from lsvib.engine.exact.taylor_form import TaylorMode, still_mode
-from lsvib.engine.kernels.law import CONSTANT, EXPONENT, FADE, PIECE, RISE, TO
 from lsvib.engine.kernels.layout import FIRST_MODEL_KIND
 from lsvib.engine.kernels.layout import Test as Is
 from lsvib.models.sliding import divided
@@ -37,8 +36,7 @@ def friction(speed):
 
 def oscillator(belt):
     """The automaton of the states x − μ(V) and x′; slip below the belt's speed is divided at x′ = 0."""
-    law = np.zeros(PIECE)
-    law[[CONSTANT, RISE, FADE, EXPONENT, TO]] = DYNAMIC, friction(0) - DYNAMIC, 1 / FADING_SPEED, 1, math.inf
+    law = np.array([0, math.inf, DYNAMIC, 0, friction(0) - DYNAMIC, 1 / FADING_SPEED, 1])  # one piece
     steady, hold = friction(belt), STATIC_RATIO * DYNAMIC
     field = np.array([[0.0, 1.0, 0.0], [-1.0, -2 * DAMPING, -steady]])
 

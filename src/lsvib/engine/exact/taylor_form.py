@@ -8,7 +8,7 @@ import numpy as np
 
 from lsvib.engine.exact.arithmetic import Row, added, double, doubles, place_of_largest
 from lsvib.engine.kernels import law
-from lsvib.engine.kernels.law import FADE, FROM, PIECE, TO
+from lsvib.engine.kernels.law import FROM, PIECE, TO
 from lsvib.engine.kernels.layout import TaylorFlow
 
 
@@ -183,6 +183,4 @@ def coefficient(pieces: np.ndarray, sigma: np.ndarray) -> tuple[np.ndarray, np.n
     place = (pieces[..., 1:, FROM] <= sigma[..., None]).sum(axis=-1)
     pieces = np.broadcast_to(pieces, (*place.shape, *pieces.shape[-2:]))
     here = np.moveaxis(np.take_along_axis(pieces, place[..., None, None], axis=-2)[..., 0, :], -1, 0)
-    ratio = here[FADE] * sigma
-    mu, slope, _ = law.value(here, sigma, ratio, np.exp(-law.exponent(here, ratio)))
-    return mu, slope, here
+    return *law.at(here, sigma, np.exp), here

@@ -8,6 +8,7 @@ stands in :mod:`lsvib.engine.kernels.flow_taylor`; nothing else knows its shape.
 """
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 FROM, TO, CONSTANT, LINEAR, RISE, FADE, EXPONENT = range(7)  # columns of a piece
@@ -25,6 +26,12 @@ def value(law: Any, sigma: Any, ratio: Any, decay: Any) -> tuple[Any, Any, Any]:
     more, rise = law[EXPONENT] - 1, law[RISE] * decay
     falls = -law[FADE] * (1 - more + 2 * more * ratio)
     return law[CONSTANT] + rise + law[LINEAR] * sigma, law[LINEAR] + rise * falls, falls
+
+
+def at(law: Any, sigma: Any, exponential: Callable[[Any], Any]) -> tuple[Any, Any]:
+    """Return μ and μ′ [s/m] at a sliding speed [m/s], by the ``exponential`` of such numbers."""
+    ratio = law[FADE] * sigma
+    return value(law, sigma, ratio, exponential(-exponent(law, ratio)))[:2]
 
 
 def bounds(law: Any) -> tuple[Any, Any]:
