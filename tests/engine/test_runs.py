@@ -4,12 +4,14 @@ Without compilation results are the same to rounding, as LLVM may contract and r
 comparison with mpmath. An index out of range raises then.
 """
 
+import fcntl
 import json
 import logging
 import math
 import os
 import subprocess
 import sys
+import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -82,8 +84,8 @@ def test_samples_of_a_friction_law_do_not_depend_on_those_before():
     motion = follow(automaton_of(drive), (0.1, 0.0), 0.2)
     times = np.sort(np.append(np.linspace(0.0, 0.2, 301), motion.time))
     states, modes = motion.at(times)
-    for time, state, mode in zip(times, states, modes, strict=True):
-        alone, there = motion.at([time])
+    for when, state, mode in zip(times, states, modes, strict=True):
+        alone, there = motion.at([when])
         assert there[0] == mode
         assert (np.abs(alone[0] - state) <= 1e-13 * np.abs(states).max(axis=0)).all()
 
@@ -144,17 +146,20 @@ def test_the_folder_of_the_cache(monkeypatch, tmp_path):
     assert jit.cache_folder() is None
 
 
-def test_many_writers_of_one_cache_lose_nothing(tmp_path):
-    """Each compiled version is read back as it was written, whoever else wrote at the time."""
-    assert isinstance(event_loop.run_in._cache._cache_file, jit.OneWriter)
-
-    def write(k: int) -> None:
-        jit.OneWriter(str(tmp_path), "kernel", "stamp").save((k,), f"version {k}")
-
-    with ThreadPoolExecutor(16) as pool:
-        list(pool.map(write, range(200)))
-    file = jit.OneWriter(str(tmp_path), "kernel", "stamp")
-    assert [file.load((k,)) for k in range(200)] == [f"version {k}" for k in range(200)]
+def test_one_process_at_a_time_adds_to_the_cache():
+    small = jit.numba.njit(lambda x: x, cache=True)
+    small._cache.flush()
+    with open(f"{jit.numba.config.CACHE_DIR}/lock", "w") as other, ThreadPoolExecutor(1) as pool:
+        fcntl.flock(other, fcntl.LOCK_EX)
+        called = pool.submit(small, 1.0)
+        while not small.overloads:  # until it is compiled
+            time.sleep(0.01)
+        with pytest.raises(TimeoutError):
+            called.result(timeout=0.3)
+        assert not small._cache._cache_file._load_index()
+        fcntl.flock(other, fcntl.LOCK_UN)
+        assert called.result(timeout=60) == 1.0
+    assert len(small._cache._cache_file._load_index()) == 1
 
 
 def test_compiling_is_said_once_for_each_part(caplog):
@@ -191,11 +196,30 @@ def test_a_kernel_calls_the_kernel_of_the_kind_of_flow(kind):
     np.testing.assert_allclose(out, [0.0, -1.0], atol=1e-15)
 
 
+MOVED = """
+import sys
+from numba.core.compiler import CompileResult
+from numba.core.cpu import CPUTargetOptions
+
+for owner in CPUTargetOptions.__mro__:
+    for name in {"_nrt", "no_cfunc_wrapper"} & {*vars(owner)}:
+        delattr(owner, name)
+library = CompileResult.library
+
+
+def refused(compiled):
+    if sys._getframe(1).f_globals["__name__"].startswith("lsvib"):
+        raise AttributeError("library")
+    return library.__get__(compiled)
+
+
+CompileResult.library = property(refused)
+"""
 PROGRAM = """
 import json
-from lsvib.dynamics.attractor import steady_state
 from lsvib.engine.motion import follow
 from lsvib import Drive
+from lsvib.models.model import automaton_of
 
 results = []
 for mass, force, c_x, rule in (
@@ -205,23 +229,35 @@ for mass, force, c_x, rule in (
     motion = follow(automaton, (0.05, 10.0), 0.05)
     states, modes = motion.at([0.0, 0.01, 0.02, 0.05])
     results.append([motion.time.tolist(), motion.kind.tolist(), states.tolist(), modes.tolist()])
+"""
+CYCLE = """
+from lsvib.dynamics.attractor import steady_state
+
 cycle = steady_state(automaton_of(Drive.of(axial_force=25.0, translation_damping=1e3)), (0.05, 5.0))
 results.append([[cycle.period, cycle.amplitude, float(cycle.multiplier)], [int(cycle.label)], [], []])
-print(json.dumps(results))
 """
 
 
-def results(**environment):
-    """What the program prints, in a process of its own."""
-    environment = {**os.environ, **environment}
-    run = subprocess.run([sys.executable, "-c", PROGRAM], capture_output=True, text=True, env=environment)
+def results(program, **environment):
+    """The results of a program, in a process of its own, and what it says."""
+    command = [sys.executable, "-c", f"{program}\nprint(json.dumps(results))"]
+    run = subprocess.run(command, capture_output=True, text=True, env={**os.environ, **environment})
     assert run.returncode == 0, run.stderr
-    return json.loads(run.stdout)
+    return json.loads(run.stdout), run.stderr
 
 
 @pytest.mark.slow
-def test_same_motion_without_compilation(tmp_path):
-    compiled, plain = results(), results(NUMBA_CACHE_DIR=str(tmp_path), NUMBA_DISABLE_JIT="1")
+def test_same_motion_by_a_numba_that_lacks_what_it_does_not_promise(tmp_path):
+    found, said = results(MOVED + PROGRAM, NUMBA_CACHE_DIR=str(tmp_path))
+    assert found == results(PROGRAM)[0]
+    for what in ("option _nrt and no_cfunc_wrapper", "address of what it has compiled"):
+        assert f"has no {what}, so the first start takes longer" in said
+
+
+@pytest.mark.slow
+def test_same_motion_without_compilation():
+    (compiled, _), (plain, said) = (results(PROGRAM + CYCLE, **own) for own in ({}, {"NUMBA_DISABLE_JIT": "1"}))
+    assert not said
     for (times, kinds, states, modes), expected in zip(plain, compiled, strict=True):
         assert kinds == expected[1]
         assert modes == expected[3]

@@ -8,8 +8,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from benchmarks.jit import allocating_kernel, kernel
 from benchmarks.rivals.hybrid import Clock, GaveUp, Hybrid, Integrate
+from lsvib.engine.kernels.jit import allocating_entry, entry
 
 _REFINEMENTS = 3  # secant steps towards a guard's zero: each adds digits until those of the step are reached
 _LOST = -2  # where the state is beyond all numbers
@@ -29,7 +29,7 @@ def integrator(hybrid: Hybrid, setting: float, clock: Clock, refined: bool = Fal
     return integrate
 
 
-@kernel
+@entry
 def _rate(field, state, out):
     n = state.size
     for i in range(n):
@@ -39,7 +39,7 @@ def _rate(field, state, out):
         out[i] = total
 
 
-@kernel
+@entry
 def _step(field, state, h, rates, trial, out):
     """One step of the classical method."""
     n = state.size
@@ -57,7 +57,7 @@ def _step(field, state, h, rates, trial, out):
         out[i] = state[i] + h / 6.0 * (rates[0, i] + 2.0 * (rates[1, i] + rates[2, i]) + rates[3, i])
 
 
-@kernel
+@entry
 def _value(guard, state):
     value = guard[state.size]
     for i in range(state.size):
@@ -65,7 +65,7 @@ def _value(guard, state):
     return value
 
 
-@kernel
+@entry
 def _cut(field, guard, state, h, refinements, rates, trial, out):
     """Fraction of the step at which a guard is zero."""
     before = max(_value(guard, state), 0.0)
@@ -84,7 +84,7 @@ def _cut(field, guard, state, h, refinements, rates, trial, out):
     return fraction
 
 
-@allocating_kernel
+@allocating_entry
 def _march(field, guards, state, step, duration, refinements):
     """Follow a mode for so long; ``state`` (n) becomes the final one. Returns (time, guard that is zero, or −1)."""
     n = state.size

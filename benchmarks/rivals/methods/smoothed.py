@@ -13,10 +13,10 @@ import numpy as np
 from references.drives import threads_drive
 from sksundae.cvode import CVODE
 
-from benchmarks.jit import kernel
 from benchmarks.judge import Record
 from benchmarks.rivals.hybrid import Clock, Hybrid
 from benchmarks.rivals.race_scenes import RaceScene
+from lsvib.engine.kernels.jit import entry
 from lsvib.models.mechanics import coefficients
 from lsvib.models.mechanism import seated_state
 
@@ -73,7 +73,7 @@ def runner(hybrid: Hybrid, setting: float, clock: Clock, max_events: int) -> Cal
     return run
 
 
-@kernel
+@entry
 def _rigid_rate(numbers, width, state, out):
     r, tan, inertia, k, c, mu, speed, m, cx, net_force, xi0, q_u, q_w, q_0 = numbers
     u, w = state[0], state[1]
@@ -85,7 +85,7 @@ def _rigid_rate(numbers, width, state, out):
     out[1] = (r * (xi0 - xi) * net_force - (c - lever * cx) * w - k * u) / (inertia - lever * m)
 
 
-@kernel
+@entry
 def _threads_rate(numbers, width, state, out):
     r, tan, inertia, k, c, mu, speed, m, cx, force, z0, cos, sin, kc, cc = numbers
     u, w, e, v = state[0], state[1], state[2], state[3]

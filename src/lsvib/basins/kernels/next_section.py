@@ -8,6 +8,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from numba import types
 
 from lsvib.engine.kernels import event_loop
 from lsvib.engine.kernels.flow_planar import level
@@ -149,7 +150,7 @@ def to_next_event(tables, pieces, mode, short, steps, scratch):
     return RESTS if pieces.resting[after] != UNKNOWN else LEAVES, guard, kind, after, stay, short
 
 
-_next_at = by_address(to_next_event)
+_next_at = by_address(to_next_event, types.Tuple([*[types.int64] * 4, types.float64, types.int64]))
 
 
 @allocating_entry

@@ -4,6 +4,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from numba import types
 
 from lsvib.dynamics.kernels.attractor import Asked, Found, Records, end_of
 from lsvib.dynamics.kernels.machine import AnyFlow, Machine, extremes_at
@@ -13,7 +14,7 @@ from lsvib.engine.kernels.jit import by_address, entry, kernel, on_stack
 from lsvib.engine.kernels.layout import ModalFlow, Tables, TaylorFlow
 
 NUMBERS = np.dtype([(name, np.float64) for name in ("amplitude", "period", "peak_normal_force", "peak_normal_impulse")])
-end_of_at = by_address(end_of)
+end_of_at = by_address(end_of, types.int64)
 SPRAGS, STICKS, REVERSES = 1, 2, 4  # bits that say what happens on a cycle
 
 

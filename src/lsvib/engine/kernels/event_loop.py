@@ -10,6 +10,7 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
+from numba import types
 
 from lsvib.engine.kernels import (
     flow_modal,
@@ -254,7 +255,7 @@ def run_in(room, tables, mode, now, until, events):
             return Status.STOP_EVENT, mode, count
 
 
-run_at = by_address(run_in)
+run_at = by_address(run_in, types.UniTuple(types.int64, 3))
 
 
 class Engine(NamedTuple):
@@ -328,4 +329,4 @@ def extremes_of_arcs(flow, modes, starts, durations, functionals):
     return low, high
 
 
-extremes_at = by_address(extremes_of_arcs)
+extremes_at = by_address(extremes_of_arcs, types.UniTuple(types.float64, 2))

@@ -17,26 +17,23 @@ import hashlib
 import logging
 import os
 import tempfile
+import threading
 import warnings
 from collections.abc import Callable
 from contextlib import suppress
-from functools import partial, reduce
+from functools import partial
 from itertools import accumulate
 from pathlib import Path
 from typing import Any
 
 import numba
 import numpy as np
+from llvmlite import ir
 from numba import types
-from numba._dispatcher import compute_fingerprint
 from numba.core import cgutils, event
-from numba.core.caching import IndexDataCacheFile
-from numba.core.imputils import impl_ret_borrowed, lower_builtin
-from numba.core.registry import CPUDispatcher
-from numba.core.typing.templates import AbstractTemplate, infer_global, signature
-from numba.np import arrayobj
+from numba.extending import intrinsic, overload, register_jitable
 
-from lsvib.engine.kernels.layout import Planar, Taylor, TaylorFlow
+from lsvib.engine.kernels.layout import Modal, ModalFlow, Planar, Taylor, TaylorFlow
 
 # What is compiled, by the folder of the kernel and a word in the types of its arguments, the first that fits; with the
 # processor time that was measured. Kernels that fit nothing are small and are compiled for one of the others.
@@ -73,6 +70,26 @@ class Notice(event.Listener):
         self.depth -= 1
 
 
+class OneWriter(event.Listener):
+    """Let one process at a time add to the cache: from the end of a compilation, after which numba saves what is made,
+    until numba gives back its own lock.
+    """
+
+    def __init__(self) -> None:
+        self.mine = threading.local()  # one thread at a time compiles, but others give the lock back, too
+
+    def on_start(self, event: event.Event) -> None:
+        """Let it begin."""
+
+    def on_end(self, event: event.Event) -> None:
+        """Wait until no other process adds, or let others add, who may also do so when this process ends."""
+        if event.kind == "numba:compile":
+            self.mine.lock = os.open(os.path.join(numba.config.CACHE_DIR, "lock"), os.O_CREAT | os.O_WRONLY)
+            fcntl.flock(self.mine.lock, fcntl.LOCK_EX)
+        elif hasattr(self.mine, "lock"):
+            os.close(self.mine.__dict__.pop("lock"))
+
+
 def source_digest() -> str:
     """Hexadecimal digest of the source files in all folders named ``kernels``, and of numba's version."""
     digest = hashlib.sha256(numba.__version__.encode())
@@ -92,7 +109,7 @@ def cache_folder() -> Path | None:
     return None
 
 
-_folder, notice = cache_folder(), Notice()
+_folder, notice, _writer = cache_folder(), Notice(), OneWriter()
 if _folder is None:
     warnings.warn(
         "The folder for the compiled engine cannot be written, so it is compiled in memory, in every process anew, "
@@ -102,112 +119,95 @@ if _folder is None:
     )
 else:
     numba.config.CACHE_DIR = str(_folder)
-    event.register("numba:compile", notice)
+    for kind, listener in (("numba:compile", notice), ("numba:compile", _writer), ("numba:compiler_lock", _writer)):
+        event.register(kind, listener)
 
-OPTIONS = {
+OPTIONS: dict[str, Any] = {
     "cache": _folder is not None,
     "error_model": "numpy",
     "fastmath": False,
     "nogil": True,
     "forceinline": False,  # said of every kernel: numba takes it from the first that calls it otherwise
-    "no_cfunc_wrapper": True,  # by which a kernel could be called through a pointer, as a C function; none is
 }
+_options: dict[Callable, dict[str, Any]] = {}  # of each kernel
 
 
-class OneWriter(IndexDataCacheFile):
-    """numba's file of the compiled versions of one kernel, to which one process at a time adds."""
-
-    def save(self, key: tuple, data: Any) -> None:
-        """Add a compiled version while no other process adds one; waits until it may."""
-        with open(os.path.join(self._cache_path, "lock"), "w") as lock:
-            fcntl.flock(lock, fcntl.LOCK_EX)  # given back when the file is closed, however the process ends
-            super().save(key, data)
-
-
-class Inner(CPUDispatcher):
-    """A kernel that kernels call, compiled without what Python needs to call it, which takes a fifth of the time.
-
-    Where Python calls such a kernel all the same, as tests do, a function that is compiled for it does so.
-    """
-
-    caller: Any = None
-
-    def __call__(self, *arguments: Any) -> Any:
-        """Call the kernel from Python."""
-        if self.caller is None:
-            self.caller = numba.njit(lambda *given: self(*given), error_model="numpy")
-        return self.caller(*arguments)
+def _missed(what: str) -> None:
+    """Warn that numba has no longer what lsvib takes from it beyond what it promises."""
+    warnings.warn(
+        f"numba {numba.__version__} has no {what}, so the first start takes longer and motions may; all results are "
+        "the same.",
+        RuntimeWarning,
+        stacklevel=3,
+    )
 
 
-def _compiler(**more: bool | str) -> Callable:
-    """Return numba's decorator with our options and ``more``, and a cache that several processes may fill."""
+# Options that numba has but does not promise; those that it lacks.
+_UNPROMISED = ("_nrt", "no_cfunc_wrapper", "no_cpython_wrapper")
+_known = getattr(getattr(numba.njit(_missed), "targetdescr", None), "options", None)
+_lacking = [name for name in _UNPROMISED if not hasattr(_known, name)]
+if _lacking and not numba.config.DISABLE_JIT:
+    _missed(f"option {' and '.join(_lacking)}")
+
+
+def _allowed(options: dict[str, Any], **more: bool | str) -> dict[str, Any]:
+    """Return options and ``more``, without those that numba lacks."""
+    return {name: value for name, value in {**options, **more}.items() if name not in _lacking}
+
+
+def _compiler(decorator: Callable, **more: bool | str) -> Callable:
+    """Return a decorator of numba's with our options and ``more``."""
+    options = _allowed(OPTIONS, **more)
 
     def compiled(function: Callable) -> Any:
         """Make a kernel of a function."""
-        made = numba.njit(**{**OPTIONS, **more})(function)
-        if numba.config.DISABLE_JIT:
-            return made
-        if OPTIONS["cache"]:
-            made._cache._cache_file.__class__ = OneWriter
-        if "no_cpython_wrapper" in more:
-            made.__class__ = Inner
-        return made
+        _options[function] = options
+        return decorator(**options)(function)
 
     return compiled
 
 
 # A kernel that makes no array need not count references to those that it is given. Each count is an atomic operation;
 # together they took half of the time of a run, and would make threads wait for each other.
-allocating_entry = _compiler(_nrt=True)  # an entry is a kernel that Python calls
-entry = _compiler(_nrt=False)
-inlined_entry = _compiler(_nrt=False, forceinline=True)
-allocating_kernel = _compiler(_nrt=True, no_cpython_wrapper=True)
-kernel = _compiler(_nrt=False, no_cpython_wrapper=True)
-inlined_kernel = _compiler(_nrt=False, forceinline=True, no_cpython_wrapper=True)
+allocating_entry = _compiler(numba.njit, _nrt=True)  # an entry is a kernel that Python calls
+entry = _compiler(numba.njit, _nrt=False)
+inlined_entry = _compiler(numba.njit, _nrt=False, forceinline=True)
+# What only kernels call is compiled without what others need to call it, which takes a fifth of the time. Where Python
+# calls it all the same, as tests do, it is a plain function.
+_kernel = partial(_compiler, register_jitable, no_cfunc_wrapper=True)
+allocating_kernel = _kernel(_nrt=True)
+kernel = _kernel(_nrt=False)
+inlined_kernel = _kernel(_nrt=False, forceinline=True)
 # A kernel that is put into its few callers before types are inferred: it is not compiled alone, with all that it calls,
 # as every other one is. Of kernels with many callers that would make more to compile.
-merged_kernel = _compiler(_nrt=False, inline="always", no_cpython_wrapper=True)
+merged_kernel = _compiler(numba.njit, _nrt=False, inline="always")
 
 
-def _declare(function, typed, written):
-    """Let kernels call a function: ``typed`` returns the signature of a call, ``written`` writes it into their code."""
-
-    class Call(AbstractTemplate):
-        key = function
-
-        def generic(self, arguments, keywords):
-            return typed(self.context, arguments, keywords)
-
-    infer_global(function, types.Function(Call))
-    lower_builtin(function, types.VarArg(types.Any))(written)
-
-
-def on_stack(shape, number=np.float64):
+@intrinsic
+def on_stack(context, shape, *number):
     """Return an array of any numbers, a small one, that lasts until the kernel ends that asks for it, in no loop.
 
     A kernel that makes its arrays so counts no references, as one that makes none.
     """
-    return np.empty(shape, number)
+    dimensions = shape.count if isinstance(shape, types.BaseTuple) else 1
+    own = types.Array(number[0].dtype if number else types.float64, dimensions, "C")
+
+    def written(context, builder, signature, values):
+        sizes = cgutils.unpack_tuple(builder, values[0]) if dimensions > 1 else values[:1]
+        content = context.get_data_type(own.dtype)
+        item = context.get_constant(types.intp, context.get_abi_sizeof(content))
+        *strides, size = accumulate(reversed(sizes), builder.mul, initial=item)
+        array = cgutils.create_struct_proxy(own)(context, builder)
+        array.nitems, array.itemsize = builder.udiv(size, item), item
+        array.data = builder.alloca(content, size=array.nitems)
+        array.shape, array.strides = cgutils.pack_array(builder, sizes), cgutils.pack_array(builder, strides[::-1])
+        return array._getvalue()
+
+    return own(shape, types.StarArgTuple.from_types(number)), written
 
 
-def _type_on_stack(context, arguments, keywords):
-    dimensions = len(arguments[0]) if isinstance(arguments[0], types.BaseTuple) else 1
-    number = arguments[1].dtype if len(arguments) > 1 else types.float64
-    return signature(types.Array(number, dimensions, "C"), *arguments)
-
-
-def _write_on_stack(context, builder, signature, values):
-    own = signature.return_type
-    shape, number = cgutils.unpack_tuple(builder, values[0]) if own.ndim > 1 else values[:1], own.dtype
-    size = context.get_constant(types.intp, context.get_abi_sizeof(context.get_data_type(number)))
-    strides = list(accumulate(reversed(shape[1:]), builder.mul, initial=size))[::-1]
-    place = builder.alloca(context.get_data_type(number), size=reduce(builder.mul, shape))
-    array = context.make_array(own)(context, builder)
-    arrayobj.populate_array(array, place, shape, strides, size, meminfo=None)
-    return array._getvalue()
-
-
-_declare(on_stack, _type_on_stack, _write_on_stack)
+if numba.config.DISABLE_JIT:
+    on_stack = np.empty
 
 
 def by_kind(planar_kernel: Any, modal_kernel: Any, taylor_kernel: Any) -> Any:
@@ -224,71 +224,76 @@ def by_kind(planar_kernel: Any, modal_kernel: Any, taylor_kernel: Any) -> Any:
             return planar_kernel(flow, *arguments)
         return (taylor_kernel if isinstance(flow, (TaylorFlow, Taylor)) else modal_kernel)(flow, *arguments)
 
-    class Choice(AbstractTemplate):
-        """A call of the chosen kernel itself. An overload would call it in a function that is compiled with it."""
+    def offer(kernel: Any, *kinds: type) -> None:
+        """Let kernels that call ``choose`` with a flow of some kinds call ``kernel``."""
+        function = getattr(kernel, "py_func", kernel)
+        # what is an entry, too, has one place in the cache for both, so it is compiled for Python here as well
+        options = _allowed(_options[function], no_cpython_wrapper=function is kernel)
 
-        key = choose
+        @overload(choose, jit_options=options, strict=False)
+        def own(flow, *arguments):
+            return function if getattr(flow, "instance_class", Planar) in kinds else None  # an array has none
 
-        def generic(self, arguments, keywords):
-            """Return the signature of a call with these types, that of the chosen kernel."""
-            return self._kernel(arguments).get_call_type(self.context, arguments, keywords)
-
-        def get_impl_key(self, signature):
-            return self._kernel(signature.args).get_impl_key(signature)
-
-        def _kernel(self, arguments):
-            own = getattr(arguments[0], "instance_class", Planar)  # an array has none
-            if own is Planar:
-                return types.Dispatcher(planar_kernel)
-            return types.Dispatcher(taylor_kernel if own in (TaylorFlow, Taylor) else modal_kernel)
-
-    infer_global(choose, types.Function(Choice))
+    offer(planar_kernel, Planar)
+    offer(modal_kernel, ModalFlow, Modal)
+    offer(taylor_kernel, TaylorFlow, Taylor)
     return choose
 
 
-def by_address(entry: Any, returns: Any = None) -> Any:
+def by_address(entry: Any, returns: Any) -> Any:
     """Return a function that calls an entry by its address [int], its first argument, of :func:`address`.
 
-    With the numba type that it ``returns`` it may be any entry whose arguments take the same place in memory; a value
-    that holds nothing takes none, and is left out of the call.
+    ``returns`` is the numba type of what the entry returns. It may be any entry whose arguments take the same place in
+    memory; a value that holds nothing takes none, and is left out of the call.
 
     numba puts all that a kernel calls into it and optimises it anew, which for the event loop takes many seconds in
     every kernel that follows motions. What is called by its address stays where it is. It may return no arrays.
     """
 
-    def call(address, *arguments):
-        return address(*arguments)
+    if numba.config.DISABLE_JIT:
+        return lambda address, *arguments: address(*arguments)
 
-    def typed(context, arguments, keywords):
-        if returns is not None:
-            return signature(returns, types.intp, *arguments[1:])
-        own = types.Dispatcher(entry).get_call_type(context, arguments[1:], keywords)  # is compiled first
-        return signature(own.return_type, types.intp, *own.args)
+    @intrinsic
+    def call(context, address, *arguments):
+        def written(context, builder, signature, values):
+            function = ir.FunctionType(context.get_value_type(returns), map(context.get_value_type, arguments))
+            pointer = builder.inttoptr(values[0], function.as_pointer())
+            return builder.call(pointer, cgutils.unpack_tuple(builder, values[1]))
 
-    def written(context, builder, signature, values):
-        result, own = signature.return_type, signature.args[1:]
-        function = context.call_conv.get_function_type(result, own)
-        pointer = builder.inttoptr(values[0], function.as_pointer())
-        status, value = context.call_conv.call_function(builder, pointer, result, own, values[1:])
-        with cgutils.if_unlikely(builder, status.is_error):
-            context.call_conv.return_status_propagate(builder, status)
-        return impl_ret_borrowed(context, builder, result, value)
+        return returns(types.intp, types.StarArgTuple.from_types(arguments)), written
 
-    _declare(call, typed, written)
     return call
 
 
-_addresses: dict[tuple[Any, bytes], int] = {}
+_addresses: dict[tuple, int] = {}
+_kept: list[Any] = []
+
+
+def _types(value: Any) -> Any:
+    """Return what numba's types of a value depend on."""
+    if isinstance(value, tuple):
+        return (type(value), *map(_types, value))
+    return (value.dtype, value.ndim, value.flags.num) if isinstance(value, np.ndarray) else type(value)
 
 
 def address(entry: Any, *arguments: Any) -> Any:
     """Return the address of an entry as compiled for arguments like these; it lasts as long as the process."""
     if numba.config.DISABLE_JIT:  # the function itself, with the value that holds nothing, if one comes first
         return partial(entry, *(value for value in arguments[:1] if isinstance(value, tuple) and not value))
-    key = entry, compute_fingerprint(arguments)  # of the types; numba's own names of them take a hundred times as long
+    key = entry, _types(arguments)  # numba's own names of them take a hundred times as long
     if key not in _addresses:
         own = tuple(map(numba.typeof, arguments))
         entry.compile(own)
-        compiled = entry.overloads[own]
-        _addresses[key] = int(compiled.library.get_pointer_to_function(compiled.fndesc.llvm_func_name))
+        _addresses[key] = _pointer(entry, own)
     return _addresses[key]
+
+
+def _pointer(entry: Any, own: tuple) -> int:
+    """Return the address of an entry as compiled for arguments of some types; where numba does not tell it, anew."""
+    with suppress(AttributeError):
+        compiled = entry.overloads[own]
+        return int(compiled.library.get_pointer_to_function(compiled.fndesc.llvm_cfunc_wrapper_name))
+    _missed("address of what it has compiled")
+    signature = next(known for known in entry.nopython_signatures if known.args == own)
+    _kept.append(numba.cfunc(signature, **_options[entry.py_func] | {"cache": False})(entry.py_func))
+    return int(_kept[-1].address)
