@@ -1,37 +1,28 @@
 """What the compiled rule needs to follow the motions of an automaton, of one type for all kinds of flow."""
 
+from typing import Any
+
 import numpy as np
 
 from lsvib.dynamics.kernels import machine as kernels
 from lsvib.dynamics.kernels.machine import AnyFlow, AnyWork, Machine
-from lsvib.engine.kernels import event_loop, flow_taylor, guard_sums, jit, layout, search_planar
+from lsvib.engine.kernels import event_loop, jit, layout
 from lsvib.engine.kernels.layout import Modal, ModalFlow, Now, Planar, Tables, Taylor, TaylorFlow
 from lsvib.engine.motion import NEVER, new_events
 
 
-def _empty(*dimensions: int, many: tuple[int, ...] = (), whole: tuple[int, ...] = ()) -> list[np.ndarray]:
-    """Arrays of so many dimensions without an entry, of which some, by their places, are of whole numbers."""
-    return [np.zeros((*many, *(0,) * d), dtype=np.int64 if k in whole else float) for k, d in enumerate(dimensions)]
+def _empty(flow: type) -> Any:
+    """Return a flow of a kind without an entry."""
+    return flow(*(np.zeros((0,) * own[0], *own[1:]) for own in layout.annotated(flow).values()))
 
 
-def _no_flow(*many: int) -> AnyFlow:
-    modal = _empty(*layout.MODAL_DIMENSIONS, many=many, whole=(0, 1))
-    taylor = _empty(*layout.TAYLOR_DIMENSIONS, many=many, whole=(5,))
-    return AnyFlow(np.zeros((*many, 0, 0)), ModalFlow(*modal), TaylorFlow(*taylor))
+_NO_FLOW = AnyFlow(np.zeros((0, 0)), _empty(ModalFlow), _empty(TaylorFlow))
+_NO_WORK = AnyWork(*(event_loop.workspace(flow, 0) for flow in _NO_FLOW))
 
 
-_NO_FLOW = _no_flow()
-_NO_WORK = AnyWork(
-    search_planar.Work(np.zeros(1)),
-    guard_sums.Sums(*_empty(2, 1, 1, 1, 3, 4, 3, 1, 3, 3, 3, 1)),
-    flow_taylor.Series(*_empty(2, 2, 1, 1, 2, 1, 1, 1, 1, 1, 1)),
-)
-
-
-def of_one_type(tables: Tables, *many: int) -> Tables:
-    """Return tables whose flow has the type that all flows have for the rule; ``many``: drives that they are of."""
-    flow = _no_flow(*many) if many else _NO_FLOW
-    return tables._replace(flow=flow._replace(**{_PLACES[type(tables.flow)]: tables.flow}))
+def of_one_type(tables: Tables) -> Tables:
+    """Return tables whose flow has the type that all flows have for the rule."""
+    return tables._replace(flow=_NO_FLOW._replace(**{_PLACES[type(tables.flow)]: tables.flow}))
 
 
 _PLACES = {np.ndarray: "planar", ModalFlow: "modal", TaylorFlow: "taylor"}  # of a flow, by its type

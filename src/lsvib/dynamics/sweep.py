@@ -31,6 +31,7 @@ from lsvib.dynamics.kernels.sweep import REVERSES, SPRAGS, STICKS
 from lsvib.dynamics.machine import extremes_of, machine_for, of_one_type
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import jit, layout
+from lsvib.engine.kernels.layout import Tables
 from lsvib.engine.motion import engine_for, enter
 from lsvib.errors import EngineError
 from lsvib.models.drive import Drive
@@ -171,16 +172,22 @@ def _group_endings(drives: ManyDrives, group: Group, starts: np.ndarray) -> tupl
         numbers=np.full(size, np.nan, dtype=kernels.NUMBERS),
         slopes=np.zeros((size, n, n)),
     )
+    one, row, rows = _in_rows(automaton.tables)
     angle = np.zeros((len(automaton.codes), n + 1))
     angle[:, 0] = 1.0
     members = kernels.Drives(
-        tables=of_one_type(automaton.tables, size),
+        tables=of_one_type(one),
+        row=row,
+        rows=rows,
+        shortest_stay=np.asarray(automaton.tables.shortest_stay),
         starts=starts,
         force=automaton.functional("normal_force"),
         angle=angle,
         impulse=axial * along - torque * across,
     )
-    kernels.ends_of_many(_rule(automaton), members, np.flatnonzero(done), np.int64(Event.CONTACT_REVERSAL), answers)
+    kernels.ends_of_many(
+        _rule(automaton, one), members, np.flatnonzero(done), np.int64(Event.CONTACT_REVERSAL), answers
+    )
     outcomes = answers.outcomes
     _slide(group, outcomes == Outcome.SLIDES, found)
     cycles = outcomes == Outcome.CYCLE
@@ -195,12 +202,28 @@ def _group_endings(drives: ManyDrives, group: Group, starts: np.ndarray) -> tupl
     return cycles | spent | (outcomes == Outcome.SLIDES), found
 
 
-def _rule(automaton: Automaton) -> kernels.Rule:
-    """Return how motions of many drives are followed."""
-    many, asked = automaton.tables, KnownCycles.of((), automaton, 0).asked
+def _in_rows(many: Tables) -> tuple[Tables, np.ndarray, np.ndarray]:
+    """Return tables of one drive whose numbers stand in a row of bytes, that row, and the rows of all (k, bytes)."""
+    flow, stays = many.flow, np.asarray(many.shortest_stay)
+    parts = {} if isinstance(flow, np.ndarray) else flow._asdict()
+    names = [name for name in layout.DIMENSIONS if name not in ("shortest_stay", "flow" if parts else "")]
+    own = {name: getattr(many, name) for name in names} | parts
+    kind = np.dtype([(name, table.dtype, table.shape[1:]) for name, table in own.items()], align=True)
+    rows = np.empty(len(many.surfaces), kind)
+    for name, table in own.items():
+        rows[name] = table
+    row = rows[:1].copy()
+    split = {name: row[name][0] for name in names}
+    if parts:
+        split["flow"] = type(flow)(*(row[name][0] for name in parts))
+    one = many._replace(shortest_stay=float(stays[0]), **split)
+    return one, row.view(np.uint8), rows.view(np.uint8).reshape(rows.size, -1)
+
+
+def _rule(automaton: Automaton, one: Tables) -> kernels.Rule:
+    """Return how motions of many drives are followed, in the tables of one."""
+    asked = KnownCycles.of((), automaton, 0).asked
     asked = asked._replace(facts=asked.facts._replace(conserves=False))
-    split = {name: getattr(many, name)[0] for name in layout.DIMENSIONS if name != "flow"}
-    one = many._replace(flow=automaton.flow.each(lambda table, _: table[0]), **split)
     engine, n = machine_for(one, engine_for(one)), len(automaton.states)
     room, found = records(n), new_found(n, WORK)
     address = jit.address(end_of, engine, of_one_type(one), asked, 0, np.zeros(n), room, found)

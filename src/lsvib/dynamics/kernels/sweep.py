@@ -7,11 +7,11 @@ import numpy as np
 from numba import types
 
 from lsvib.dynamics.kernels.attractor import Asked, Found, Records, end_of
-from lsvib.dynamics.kernels.machine import AnyFlow, Machine, extremes_at
+from lsvib.dynamics.kernels.machine import Machine, extremes_at
 from lsvib.dynamics.kernels.single_mode import Outcome
 from lsvib.engine.kernels import event_loop
 from lsvib.engine.kernels.jit import by_address, entry, kernel, on_stack
-from lsvib.engine.kernels.layout import ModalFlow, Tables, TaylorFlow
+from lsvib.engine.kernels.layout import Tables
 
 NUMBERS = np.dtype([(name, np.float64) for name in ("amplitude", "period", "peak_normal_force", "peak_normal_impulse")])
 end_of_at = by_address(end_of, types.int64)
@@ -34,9 +34,12 @@ class Rule(NamedTuple):
 
 
 class Drives(NamedTuple):
-    """Many drives: tables whose doubles have a first axis (k) for them, and what differs from drive to drive."""
+    """Many drives: tables of one, and what differs from drive to drive, which is written into them in its turn."""
 
     tables: Tables
+    row: np.ndarray  # (bytes,) in which the tables have all numbers of a drive but the last
+    rows: np.ndarray  # (k, bytes) those of each drive
+    shortest_stay: np.ndarray  # (k,) the last
     starts: np.ndarray  # (k, n)
     force: np.ndarray  # (k, m, n + 1 or 2 n + 2) normal force as an observable
     angle: np.ndarray  # (m, n + 1) the deviation u as an observable
@@ -88,37 +91,16 @@ def _describe(tables, rule, reversal, drives, k, numbers, slopes):
     return bits
 
 
-@kernel
-def _flow_of(flow, k):
-    """Return the flow of one of many drives."""
-    planar, modal, taylor = flow
-    return AnyFlow(
-        planar[k],
-        ModalFlow(
-            modal.pairs[k], modal.singles[k], modal.oscillators[k], modal.rates[k], modal.pushes[k], modal.to_modal[k],
-            modal.from_modal[k], modal.field[k],
-        ),
-        TaylorFlow(
-            taylor.field[k], taylor.push[k], taylor.contact[k], taylor.speed[k], taylor.feedback[k],
-            taylor.piece_start[k], taylor.pieces[k], taylor.settled_place[k], taylor.settled_form[k],
-            taylor.settled_level[k],
-        ),
-    )  # fmt: skip
-
-
 @entry
 def ends_of_many(rule, drives, members, reversal, answers):
     """Follow the motions of many drives, each from its own start; ``members`` (j) are those that are wanted."""
-    many, found, (outcomes, bits, numbers, slopes) = drives.tables, rule.found, answers
+    found, (outcomes, bits, numbers, slopes) = rule.found, answers
     n = drives.starts.shape[1]
     state, scale = on_stack(n), on_stack(n)
     for k in members:
-        tables = Tables(
-            _flow_of(many.flow, k), many.surfaces[k], many.snap, many.guard_start, many.guard_surface, many.guard_sign,
-            many.guard_transition, many.guard_parts[k], many.transition_reset, many.resets[k], many.branch_start,
-            many.branch_mode, many.branch_kind, many.branch_sign, many.condition_start, many.condition_row[k],
-            many.condition_test, many.beyond_accumulation, many.shortest_stay[k],
-        )  # fmt: skip
+        for i in range(drives.row.size):
+            drives.row[i] = drives.rows[k, i]
+        tables = Tables(*drives.tables[:-1], drives.shortest_stay[k])
         for i in range(n):
             state[i], scale[i] = drives.starts[k, i], abs(drives.starts[k, i])
         found.notes[0]["left"], bits[k] = rule.work, 0

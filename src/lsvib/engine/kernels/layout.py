@@ -8,7 +8,7 @@ table of modes with two states and, without b, the pairs of modes with more stat
 """
 
 from enum import IntEnum
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple, get_type_hints
 
 import numpy as np
 
@@ -125,30 +125,32 @@ class Begin(NamedTuple):
 class Tables(NamedTuple):
     """A piecewise-linear automaton with n states as plain arrays (m modes, g guards, t transitions, b branches).
 
+    Those with a number beside their type hold a drive's own numbers, in so many dimensions, the others its structure.
+
     An affine function of the state is a row of n + 1 numbers, the constant last. Guards of mode i are
     ``guard_start[i]:guard_start[i + 1]``; the other ``*_start`` arrays work alike. Transition 0 is the entry: it puts a
     start into its mode.
     """
 
     flow: Any  # (m, columns) coefficients of the linear flow of each mode; a ModalFlow; or a TaylorFlow
-    surfaces: np.ndarray  # (s, n + 1) affine functions whose zero sets bound the modes
+    surfaces: Annotated[np.ndarray, 2]  # (s, n + 1) affine functions whose zero sets bound the modes
     snap: np.ndarray  # (s,) the coordinate that is set so that the surface is met to the last bit
     guard_start: np.ndarray  # (m + 1,)
     guard_surface: np.ndarray  # (g,)
     guard_sign: np.ndarray  # (g,) sign of the surface function inside the mode, ±1
     guard_transition: np.ndarray  # (g,)
-    guard_parts: np.ndarray  # (g, 3) of planar flows, see ``crossing._shape``; modal forms (g, q + 1), or none (g, 0)
+    guard_parts: Annotated[np.ndarray, 2]  # (g, 3) of planar flows, see ``crossing._shape``; modal (g, q + 1), or none
     transition_reset: np.ndarray  # (t,) index of the reset, −1 for none
-    resets: np.ndarray  # (r, n, n + 1) affine maps of the state
+    resets: Annotated[np.ndarray, 3]  # (r, n, n + 1) affine maps of the state
     branch_start: np.ndarray  # (t + 1,)
     branch_mode: np.ndarray  # (b,)
     branch_kind: np.ndarray  # (b,) event kind
     branch_sign: np.ndarray  # (b,) sign that the event carries (impulse), 0 for none
     condition_start: np.ndarray  # (b + 1,)
-    condition_row: np.ndarray  # (c, n + 1)
+    condition_row: Annotated[np.ndarray, 2]  # (c, n + 1)
     condition_test: np.ndarray  # (c,) lsvib.engine.kernels.layout.Test
     beyond_accumulation: np.ndarray  # (m,) mode that continues after infinitely many events in finite time, −1 for none
-    shortest_stay: float  # stays shorter than this [s], many in a row, are an accumulation
+    shortest_stay: Annotated[float, 0]  # stays shorter than this [s], many in a row, are an accumulation
 
 
 class ModalFlow(NamedTuple):
@@ -157,14 +159,14 @@ class ModalFlow(NamedTuple):
     The modal coordinates of a mode are those of its own pairs, two each, and then those of its singles: q in all.
     """
 
-    pairs: np.ndarray  # (m,) pairs of each mode
-    singles: np.ndarray  # (m,) singles of each mode
-    oscillators: np.ndarray  # (m, p, planar columns)
-    rates: np.ndarray  # (m, s) r [1/s]
-    pushes: np.ndarray  # (m, s) f, zero where the single is carried about its equilibrium
-    to_modal: np.ndarray  # (m, q, n + 1)
-    from_modal: np.ndarray  # (m, n, q + 1)
-    field: np.ndarray  # (m, n, n + 1), A and b
+    pairs: Annotated[np.ndarray, 1, int]  # (m,) pairs of each mode
+    singles: Annotated[np.ndarray, 1, int]  # (m,) singles of each mode
+    oscillators: Annotated[np.ndarray, 3]  # (m, p, planar columns)
+    rates: Annotated[np.ndarray, 2]  # (m, s) r [1/s]
+    pushes: Annotated[np.ndarray, 2]  # (m, s) f, zero where the single is carried about its equilibrium
+    to_modal: Annotated[np.ndarray, 3]  # (m, q, n + 1)
+    from_modal: Annotated[np.ndarray, 3]  # (m, n, q + 1)
+    field: Annotated[np.ndarray, 3]  # (m, n, n + 1), A and b
 
 
 ORDER = 20  # of the power series of a step, which an error of a rounding asks for (Jorba and Zou 2005)
@@ -180,19 +182,27 @@ class TaylorFlow(NamedTuple):
     y = x − x₀, stays there for ever.
     """
 
-    field: np.ndarray  # (m, n, n + 1) P
-    push: np.ndarray  # (m, n) d
-    contact: np.ndarray  # (m, n + 1) q
-    speed: np.ndarray  # (m, n + 1) σ, positive in the mode
-    feedback: np.ndarray  # (m,) B
-    piece_start: np.ndarray  # (m + 1,)
-    pieces: np.ndarray  # (p, PIECE)
-    settled_place: np.ndarray  # (m, n) x₀
-    settled_form: np.ndarray  # (m, n, n) S
-    settled_level: np.ndarray  # (m,) L, negative where no motion stays
+    field: Annotated[np.ndarray, 3]  # (m, n, n + 1) P
+    push: Annotated[np.ndarray, 2]  # (m, n) d
+    contact: Annotated[np.ndarray, 2]  # (m, n + 1) q
+    speed: Annotated[np.ndarray, 2]  # (m, n + 1) σ, positive in the mode
+    feedback: Annotated[np.ndarray, 1]  # (m,) B
+    piece_start: Annotated[np.ndarray, 1, int]  # (m + 1,)
+    pieces: Annotated[np.ndarray, 2]  # (p, PIECE)
+    settled_place: Annotated[np.ndarray, 2]  # (m, n) x₀
+    settled_form: Annotated[np.ndarray, 3]  # (m, n, n) S
+    settled_level: Annotated[np.ndarray, 1]  # (m,) L, negative where no motion stays
+
+
+def annotated(tables: type) -> dict[str, tuple]:
+    """Return what stands beside the types of fields: dimensions, and the type of numbers if they are not floats."""
+    hints = get_type_hints(tables, include_extras=True)
+    return {name: hint.__metadata__ for name, hint in hints.items() if hasattr(hint, "__metadata__")}
 
 
 # Dimensions of the tables of one drive that hold its own numbers; those of many have one more axis, the first. Flow
 # tables of planar flows are the first of them, those of the other kinds are below.
-DIMENSIONS = {"flow": 2, "surfaces": 2, "guard_parts": 2, "resets": 3, "condition_row": 2, "shortest_stay": 0}
-MODAL_DIMENSIONS, TAYLOR_DIMENSIONS = (1, 1, 3, 2, 2, 3, 3, 3), (3, 2, 2, 2, 1, 1, 2, 2, 3, 1)
+DIMENSIONS = {"flow": 2, **{name: own[0] for name, own in annotated(Tables).items()}}
+MODAL_DIMENSIONS, TAYLOR_DIMENSIONS = (
+    tuple(own[0] for own in annotated(flow).values()) for flow in (ModalFlow, TaylorFlow)
+)
