@@ -12,12 +12,12 @@ from typing import NamedTuple
 import numpy as np
 from references.drives import support_drive
 
-from lsvib.engine.automaton import Automaton
-from lsvib.engine.exact.modal_form import linear_mode, modal_flow
-from lsvib.engine.kernels import layout
-from lsvib.engine.motion import Motion, follow
-from lsvib.models.drive import Drive, forget
-from lsvib.models.model import automaton_of
+from lsvib.drives.drive import Drive, forget
+from lsvib.drives.model import automaton_of
+from lsvib.systems.automaton import Automaton
+from lsvib.systems.exact.modal_form import linear_mode, modal_flow
+from lsvib.systems.kernels import layout
+from lsvib.systems.motion import Motion, follow
 
 _CONTACT_SIZES = (1e-6, 1e-3)  # of mismatch [m] and its rate [m/s]; they only scale coordinates that stay zero
 _NOTHING = 1e-18  # N

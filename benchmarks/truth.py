@@ -10,7 +10,7 @@ from references import rigid_digits
 from references.series import SPARE, Happening, Series
 
 from benchmarks.judge import Record, count_stops
-from lsvib.models.drive import Drive
+from lsvib.drives.drive import Drive
 
 # Parts of an arc at which its size is looked at: what dies away at once, or has not begun to, belongs to it as well.
 _SAMPLES = [*(10.0**-k for k in range(15, 0, -1)), *(k / 8 for k in range(1, 8))]

@@ -12,7 +12,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 pytest.register_assert_rewrite("references")
 
 # Assessments and fits need the packages of the extra ``assess``, which requirements.txt installs.
-collect_ignore_glob = [] if find_spec("pint") and find_spec("scipy") else ["assess/test_*.py", "fit/test_*.py"]
+collect_ignore_glob = [] if find_spec("pint") and find_spec("scipy") else ["sheets/test_*.py"]
 
 # The same examples in every run, on every machine; no limit in time, because the first example compiles the kernels.
 settings.register_profile("reproducible", derandomize=True, deadline=None)

@@ -13,9 +13,9 @@ import xarray as xr
 from pydantic import Field
 
 from benchmarks.judge import QUARTILES, quartiles
-from lsvib.datasets.attributes import flag_names, named_index, variable, yes_no
-from lsvib.datasets.checks import Check
-from lsvib.figures.settings import Duration, FigureSettings
+from lsvib.answers.attributes import flag_names, named_index, variable, yes_no
+from lsvib.chapter.checks import Check
+from lsvib.chapter.settings import Duration, FigureSettings
 from lsvib.pictures import style
 from lsvib.pictures.style import Axes, Figure
 
@@ -26,10 +26,10 @@ datasets and pictures import.
 """
 
 MODULES = {  # what drawing a figure or building its dataset imports; measured in processes of their own
-    "figure": "lsvib.figures.fig8_09, matplotlib.backends.backend_agg",
-    "eigenvalues": "lsvib.figures.fig8_08",
-    "motion": "lsvib.figures.fig8_09, lsvib.datasets.phase_plane",
-    "everything": "lsvib.figures.fig8_09, lsvib.datasets.phase_plane, matplotlib.backends.backend_agg, lsvib.cli.app",
+    "figure": "lsvib.chapter.fig8_09, matplotlib.backends.backend_agg",
+    "eigenvalues": "lsvib.chapter.fig8_08",
+    "motion": "lsvib.chapter.fig8_09, lsvib.answers.phase_plane",
+    "everything": "lsvib.chapter.fig8_09, lsvib.answers.phase_plane, matplotlib.backends.backend_agg, lsvib.cli.app",
 }
 _IMPORT = """
 import json, sys, time

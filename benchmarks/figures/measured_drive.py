@@ -9,13 +9,13 @@ import numpy as np
 import xarray as xr
 from pydantic import Field
 
-from lsvib.datasets import spans
-from lsvib.datasets.attributes import VARIED, axis, named_index, parameter, variable
-from lsvib.datasets.checks import Check
+from lsvib.answers import spans
+from lsvib.answers.attributes import VARIED, axis, named_index, parameter, variable
+from lsvib.chapter.checks import Check
+from lsvib.chapter.common import about
+from lsvib.chapter.settings import FigureSettings, PositiveSpan, Values
+from lsvib.drives.drive import Drive
 from lsvib.errors import InputError
-from lsvib.figures.common import about
-from lsvib.figures.settings import FigureSettings, PositiveSpan, Values
-from lsvib.models.drive import Drive
 from lsvib.pictures import style
 from lsvib.pictures.torque import RPM, residual_panel, torque_panel
 
@@ -82,11 +82,11 @@ class Settings(FigureSettings):
 
 def build(settings: Values) -> xr.Dataset:
     """Fit the law of the files that are even, and follow the drive that this law and the jerks make."""
-    from lsvib.fit.dataset import fit_variables
-    from lsvib.fit.law import Measured, fitted
-    from lsvib.fit.records import look
-    from lsvib.fit.stick_slip import breaking, explained
-    from lsvib.fit.tables import read_table, steady_point
+    from lsvib.sheets.torque.dataset import fit_variables
+    from lsvib.sheets.torque.law import Measured, fitted
+    from lsvib.sheets.torque.records import look
+    from lsvib.sheets.torque.stick_slip import breaking, explained
+    from lsvib.sheets.torque.tables import read_table, steady_point
 
     factors = (-RPM, -0.0984e-3, 1e-3)  # signs of the motor; per cent of 9.84 mN m; ms
     tables = {file.name: read_table(file, (2, 3, 1), factors, ";") for file in TABLES}
@@ -152,9 +152,9 @@ def build(settings: Values) -> xr.Dataset:
 
 def _even_speeds(drive: Drive, sense: int, dampings: np.ndarray) -> np.ndarray:
     """Speeds [rad/s] from which on a drive runs evenly once started, to 1e-3, by its damping; infinite if from none."""
-    from lsvib.dynamics.attractor import Attractor
+    from lsvib.drives.many import ManyDrives
     from lsvib.dynamics.sweep import all_endings
-    from lsvib.models.many import ManyDrives
+    from lsvib.systems.attractor import Attractor
 
     def evenly(speeds: np.ndarray) -> np.ndarray:
         """Whether it ends in steady sliding, by its damping."""

@@ -9,9 +9,9 @@ from pydantic import Field
 
 from benchmarks.judge import Verdict
 from benchmarks.sweeps.families import Case, CaseFamily, FamilyName
-from lsvib.datasets.attributes import flag_names, flagged, variable
-from lsvib.datasets.checks import Check
-from lsvib.figures.settings import CaseSeed, FigureSettings
+from lsvib.answers.attributes import flag_names, flagged, variable
+from lsvib.chapter.checks import Check
+from lsvib.chapter.settings import CaseSeed, FigureSettings
 from lsvib.pictures import style
 from lsvib.pictures.style import Axes, Figure
 

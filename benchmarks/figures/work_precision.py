@@ -15,9 +15,9 @@ import xarray as xr
 from pydantic import Field
 
 from benchmarks.judge import QUARTILES, Verdict, quartiles
-from lsvib.datasets.attributes import flag_names, flagged, named, named_index, variable
-from lsvib.datasets.checks import Check
-from lsvib.figures.settings import FigureSettings, Unique
+from lsvib.answers.attributes import flag_names, flagged, named, named_index, variable
+from lsvib.chapter.checks import Check
+from lsvib.chapter.settings import FigureSettings, Unique
 from lsvib.pictures import style
 from lsvib.pictures.style import Axes, Figure
 

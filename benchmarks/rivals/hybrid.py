@@ -17,11 +17,11 @@ import numpy as np
 from benchmarks.judge import Record
 from benchmarks.rivals.race_scenes import RaceScene
 from benchmarks.sweeps.paths import fields
-from lsvib.engine.automaton import Automaton
-from lsvib.engine.kernels import event_loop
-from lsvib.engine.kernels.law import CONSTANT
-from lsvib.engine.kernels.layout import ACCUMULATION_KIND, GRAZE_KIND, TaylorFlow, Test
-from lsvib.models.names import Event
+from lsvib.drives.names import Event
+from lsvib.systems.automaton import Automaton
+from lsvib.systems.kernels import event_loop
+from lsvib.systems.kernels.law import CONSTANT
+from lsvib.systems.kernels.layout import ACCUMULATION_KIND, GRAZE_KIND, TaylorFlow, Test
 
 ROUNDING = 1e-12  # A sum that is smaller, relative to its terms, is zero.
 RETRIES = 8  # repetitions, each with steps a quarter as long, where a solver steps over a root next to its start

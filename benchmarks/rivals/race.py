@@ -17,7 +17,7 @@ from benchmarks.judge import Answer, Record, raced
 from benchmarks.rivals.hybrid import Clock, GaveUp, Hybrid
 from benchmarks.rivals.method_list import METHODS
 from benchmarks.rivals.race_scenes import RaceScene, scene
-from lsvib.models.friction import depends_on_speed
+from lsvib.drives.friction import depends_on_speed
 
 _TURN = 3e-3  # [s] for which a quick entry is repeated in a round, so that the clock is fine enough
 _WARM_UP = 0.01  # part of the duration that is run and discarded first, which loads, compiles and fills caches

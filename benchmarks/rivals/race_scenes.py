@@ -8,13 +8,13 @@ from references.drives import threads_drive
 
 from benchmarks.judge import Record
 from benchmarks.truth import truth
-from lsvib.engine.automaton import Automaton
-from lsvib.models.drive import Drive
-from lsvib.models.mechanics import coefficients
-from lsvib.models.mechanism import seated_state
-from lsvib.models.model import Model, automaton_of, model_of
+from lsvib.drives.drive import Drive
+from lsvib.drives.mechanics import coefficients
+from lsvib.drives.mechanism import seated_state
+from lsvib.drives.model import Model, automaton_of, model_of
 from lsvib.stability.boundaries import place_values
 from lsvib.stability.force_thresholds import threshold_force
+from lsvib.systems.automaton import Automaton
 
 _NEAR = 1e-6  # relative distance of the grazing scenes from their threshold
 _GAMMA = 1e-9  # Γ₊ / I of the scene near the critical mass, reached to 7 digits: the mass is a double

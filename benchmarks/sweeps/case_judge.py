@@ -16,9 +16,9 @@ from benchmarks.judge import CORNER, Record, Verdict, distance, lateness, same_b
 from benchmarks.sweeps.energy_balance import Balance, balance
 from benchmarks.sweeps.families import Case
 from benchmarks.sweeps.paths import MOST_EVENTS, automaton, engine_path, exact_path
-from lsvib.engine.motion import follow
+from lsvib.drives.drive import Drive
 from lsvib.errors import InputError, LsvibError
-from lsvib.models.drive import Drive
+from lsvib.systems.motion import follow
 
 TOLERANCE = 1e-9  # largest error that is right, relative to the size of each coordinate and to the duration
 ENERGY_TOLERANCE = 1e-10  # residual that passes beside that of rounding, relative to the largest energy or work

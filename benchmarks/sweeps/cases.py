@@ -10,8 +10,8 @@ from references.drives import random_drive, rigid_values, sign, uniform
 
 from benchmarks.sweeps import cases_four_states
 from benchmarks.sweeps.families import Case, CaseFamily
-from lsvib.models.drive import Drive
-from lsvib.models.mechanics import coefficients
+from lsvib.drives.drive import Drive
+from lsvib.drives.mechanics import coefficients
 from lsvib.stability.boundaries import place_values
 from lsvib.stability.force_thresholds import threshold_force
 

@@ -8,7 +8,7 @@ from references.bodies import Bodies
 from references.drives import decades, drawn, heaviest, one_of, power, sign, signed, times, uniform
 
 from benchmarks.sweeps.families import Case, CaseFamily
-from lsvib.models.drive import DRY, Drive
+from lsvib.drives.drive import DRY, Drive
 from lsvib.stability.spectrum import eigenvalues
 
 _MOST_TURNS = 6.0  # of the fastest oscillation: bounds the work of the reference

@@ -33,13 +33,13 @@ from typing import NamedTuple
 import numpy as np
 
 from benchmarks.sweeps.paths import fields
-from lsvib.engine.automaton import Automaton
-from lsvib.engine.kernels import event_loop
-from lsvib.engine.kernels.flow_planar import ROUNDING
-from lsvib.engine.kernels.layout import Begin
-from lsvib.engine.motion import Motion, new_events
-from lsvib.models.drive import Drive
-from lsvib.models.mechanics import friction_factor
+from lsvib.drives.drive import Drive
+from lsvib.drives.mechanics import friction_factor
+from lsvib.systems.automaton import Automaton
+from lsvib.systems.kernels import event_loop
+from lsvib.systems.kernels.flow_planar import ROUNDING
+from lsvib.systems.kernels.layout import Begin
+from lsvib.systems.motion import Motion, new_events
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)  # the error falls with the 24th power of a panel's width
 _FIRST = 1.5  # width of the first panel, in units of the fastest time

@@ -3,7 +3,7 @@
 from enum import IntEnum
 from typing import Literal, NamedTuple
 
-from lsvib.models.drive import Drive
+from lsvib.drives.drive import Drive
 
 
 class CaseFamily(IntEnum):

@@ -11,12 +11,12 @@ from references.bodies import Bodies
 from benchmarks.judge import Record
 from benchmarks.sweeps.families import Case
 from benchmarks.truth import by_seizure, truth
-from lsvib.engine.automaton import Automaton
-from lsvib.engine.kernels import layout
-from lsvib.engine.kernels.layout import ACCUMULATION_KIND, GRAZE_KIND
-from lsvib.engine.motion import Motion
-from lsvib.models.drive import Drive
-from lsvib.models.model import automaton_of, model_of
+from lsvib.drives.drive import Drive
+from lsvib.drives.model import automaton_of, model_of
+from lsvib.systems.automaton import Automaton
+from lsvib.systems.kernels import layout
+from lsvib.systems.kernels.layout import ACCUMULATION_KIND, GRAZE_KIND
+from lsvib.systems.motion import Motion
 
 MOST_EVENTS = 60  # events of a motion; one with 40 digits is then compared in a fraction of a second
 INSTANT = 1e-12  # Events before this part of the duration belong to the start on a guard.

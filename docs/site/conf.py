@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import lsvib
-from lsvib.models.drive import Drive
+from lsvib.drives.drive import Drive
 
 sys.path.insert(0, str(Path(lsvib.__file__).parents[2] / "docs" / "site"))  # the scraper of the gallery
 

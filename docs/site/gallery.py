@@ -8,7 +8,7 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
-from lsvib.figures.configuration import FIGURES, load, module_of
+from lsvib.chapter.configuration import FIGURES, load, module_of
 from lsvib.pictures.style import save
 
 _EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -34,8 +34,8 @@ _SCRIPT = '''"""
 {caption}
 """
 
-from lsvib.figures.build import dataset_of
-from lsvib.figures.configuration import load, standard_settings
+from lsvib.chapter.build import dataset_of
+from lsvib.chapter.configuration import load, standard_settings
 
 found = dataset_of("{name}", standard_settings("{name}"))
 figure = load("{name}").draw(found)

@@ -5,8 +5,8 @@ from importlib import import_module
 from pathlib import Path
 
 import lsvib
-from lsvib.models.complaints import allowed_range
-from lsvib.models.drive import IN_WORDS, PART_OF, PARTS, Drive, described
+from lsvib.drives.complaints import allowed_range
+from lsvib.drives.drive import IN_WORDS, PART_OF, PARTS, Drive, described
 
 _GROUPS = {
     "Drives": ["Drive"],
@@ -26,8 +26,8 @@ _GROUPS = {
 _OTHER = "Others"
 # Modules that the other pages name, by subject; docs/design.md has the layers.
 MODULES = {
-    "Drives": ["lsvib.models.drive", "lsvib.models.scene", "lsvib.models.chapter", "lsvib.models.model"],
-    "Engine": ["lsvib.engine.automaton", "lsvib.engine.motion"],
+    "Drives": ["lsvib.drives.drive", "lsvib.drives.scene", "lsvib.drives.chapter", "lsvib.drives.model"],
+    "Engine": ["lsvib.systems.automaton", "lsvib.systems.motion"],
     "Steady sliding": [
         "lsvib.stability.spectrum",
         "lsvib.stability.conditions",
@@ -40,21 +40,21 @@ MODULES = {
         "lsvib.stability.curves",
     ],
     "Cycles": [
-        "lsvib.dynamics.attractor",
+        "lsvib.systems.attractor",
+        "lsvib.systems.cycles",
         "lsvib.dynamics.cycles",
-        "lsvib.dynamics.drive_cycles",
-        "lsvib.dynamics.continuation",
+        "lsvib.systems.continuation",
         "lsvib.dynamics.impulses",
-        "lsvib.datasets.cycles",
+        "lsvib.answers.cycles",
     ],
     "Regions of attraction": [
-        "lsvib.basins.boundary",
-        "lsvib.basins.resilience",
-        "lsvib.basins.grid",
-        "lsvib.basins.curves",
+        "lsvib.dynamics.boundary",
+        "lsvib.dynamics.resilience",
+        "lsvib.systems.grid",
+        "lsvib.systems.curves",
     ],
-    "Data": ["lsvib.datasets.motion", "lsvib.datasets.sweep", "lsvib.datasets.checks", "lsvib.datasets.io"],
-    "Figures": ["lsvib.figures.build", "lsvib.figures.configuration"],
+    "Data": ["lsvib.answers.motion", "lsvib.answers.sweep", "lsvib.chapter.checks", "lsvib.answers.io"],
+    "Figures": ["lsvib.chapter.build", "lsvib.chapter.configuration"],
 }
 
 

@@ -1,18 +1,12 @@
 """The public names of the package and where they live; lazy_loader loads each on first use."""
 
+from .answers.cycles import Cycles as Cycles
 from .api import Drive as Drive
 from .api import Scene as Scene
 from .api import simulate as simulate
-from .basins.boundary import Basin as Basin
-from .basins.curves import Window as Window
-from .basins.grid import Axis as Axis
-from .basins.grid import Grid as Grid
-from .basins.resilience import Resilience as Resilience
-from .datasets.cycles import Cycles as Cycles
-from .dynamics.attractor import Attractor as Attractor
-from .dynamics.attractor import SteadyState as SteadyState
-from .dynamics.continuation import CycleBranch as CycleBranch
-from .dynamics.drive_cycles import Cycle as Cycle
+from .dynamics.boundary import Basin as Basin
+from .dynamics.cycles import Cycle as Cycle
+from .dynamics.resilience import Resilience as Resilience
 from .errors import DivergenceError as DivergenceError
 from .errors import EngineError as EngineError
 from .errors import InputError as InputError
@@ -26,5 +20,11 @@ from .results import Quantity as Quantity
 from .results import StabilityReport as StabilityReport
 from .results import Threshold as Threshold
 from .results import ThresholdSolution as ThresholdSolution
+from .systems.attractor import Attractor as Attractor
+from .systems.attractor import SteadyState as SteadyState
+from .systems.continuation import CycleBranch as CycleBranch
+from .systems.curves import Window as Window
+from .systems.grid import Axis as Axis
+from .systems.grid import Grid as Grid
 
 __version__: str

@@ -8,11 +8,11 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from lsvib.models import drive
-from lsvib.models.command import Command
-from lsvib.models.mechanics import Coefficients, coefficients
-from lsvib.models.model import automaton_of
-from lsvib.models.scene import Scene
+from lsvib.drives import drive
+from lsvib.drives.command import Command
+from lsvib.drives.mechanics import Coefficients, coefficients
+from lsvib.drives.model import automaton_of
+from lsvib.drives.scene import Scene
 from lsvib.numbers import Progress
 from lsvib.results import StabilityReport, Threshold
 
@@ -20,16 +20,16 @@ if TYPE_CHECKING:
     import numpy as np
     import xarray as xr
 
-    from lsvib.basins.boundary import Basin
-    from lsvib.basins.curves import Part
-    from lsvib.basins.grid import Grid
-    from lsvib.basins.resilience import Resilience
-    from lsvib.datasets.cycles import Cycles
-    from lsvib.dynamics.attractor import SteadyState
-    from lsvib.dynamics.continuation import CycleBranch
-    from lsvib.dynamics.drive_cycles import Cycle
-    from lsvib.engine.automaton import Automaton
-    from lsvib.models.description import Description
+    from lsvib.answers.cycles import Cycles
+    from lsvib.drives.description import Description
+    from lsvib.dynamics.boundary import Basin
+    from lsvib.dynamics.cycles import Cycle
+    from lsvib.dynamics.resilience import Resilience
+    from lsvib.systems.attractor import SteadyState
+    from lsvib.systems.automaton import Automaton
+    from lsvib.systems.continuation import CycleBranch
+    from lsvib.systems.curves import Part
+    from lsvib.systems.grid import Grid
 
     Values = Sequence[float] | np.ndarray  # of a parameter, in SI units
 
@@ -65,9 +65,9 @@ class Drive(drive.Drive):
         3 x_1″ = n − 1e+06 x_1
         11 x″ = 50 − n
 
-        See also: :mod:`lsvib.models.mechanism`, with the symbols.
+        See also: :mod:`lsvib.drives.mechanism`, with the symbols.
         """
-        from lsvib.models.description import description_of
+        from lsvib.drives.description import description_of
 
         return description_of(self)
 
@@ -142,7 +142,7 @@ class Drive(drive.Drive):
         * ``physics``: the terms that the equations of motion have, such as support_damping, axial_force and rest; by
           default those that are not zero, and rest. A damping or force that is not listed must be zero.
         * ``resume``: how motion goes on after a seizure: contact_sign (the contact keeps the sign of the impulse) or,
-          for the rigid drive, at_once (:mod:`lsvib.models.modes`).
+          for the rigid drive, at_once (:mod:`lsvib.drives.modes`).
 
         The tables are made once and shared by equal drives: do not change them. Raises ``InputError``.
 
@@ -193,7 +193,7 @@ class Drive(drive.Drive):
 
         See also: :func:`lsvib.simulate`, of a scene in a file; :meth:`steady_state`, what the motion ends on.
         """
-        from lsvib.datasets.motion import Simulation
+        from lsvib.answers.motion import Simulation
 
         wanted = {"samples": samples, "resume": resume, "physics": physics, "outputs": outputs, "command": command}
         return Simulation.of(Scene(drive=self, start=start, duration=duration, **wanted)).dataset()
@@ -217,8 +217,8 @@ class Drive(drive.Drive):
 
         See also: :meth:`attraction`, for the starts of a grid; :meth:`sweep`, for many drives.
         """
-        from lsvib.dynamics.attractor import steady_state
-        from lsvib.engine.motion import enter
+        from lsvib.systems.attractor import steady_state
+        from lsvib.systems.motion import enter
 
         automaton, state = self._automaton_and_state(start, resume, physics)
         enter(automaton, state)  # refuses what is no state
@@ -242,7 +242,7 @@ class Drive(drive.Drive):
 
         See also: :meth:`follow`, for one of them over a parameter.
         """
-        from lsvib.datasets.cycles import find_cycles
+        from lsvib.answers.cycles import find_cycles
 
         return find_cycles(self, self.automaton(physics=physics))
 
@@ -276,7 +276,7 @@ class Drive(drive.Drive):
 
         See also: :meth:`threshold`, whose values are enclosed for certain.
         """
-        from lsvib.datasets.cycles import followed
+        from lsvib.answers.cycles import followed
 
         return followed(self, cycle, parameter, span, points, lambda drive: drive.automaton(physics=physics), progress)
 
@@ -308,7 +308,7 @@ class Drive(drive.Drive):
 
         See also: :meth:`steady_state`, for one drive.
         """
-        from lsvib.datasets.sweep import sweep
+        from lsvib.answers.sweep import sweep
 
         return sweep(self, over, start, workers, progress)
 
@@ -341,7 +341,7 @@ class Drive(drive.Drive):
 
         See also: :meth:`basin`, its exact boundary; :meth:`steady_state`, for one start.
         """
-        from lsvib.datasets.map import map_attraction
+        from lsvib.answers.map import map_attraction
 
         return map_attraction(self, grid, quantities, workers, progress)
 
@@ -363,7 +363,7 @@ class Drive(drive.Drive):
 
         See also: :meth:`attraction`, for every model; :meth:`resilience`.
         """
-        from lsvib.basins.boundary import basin
+        from lsvib.dynamics.boundary import basin
 
         return basin(self)
 
@@ -386,7 +386,7 @@ class Drive(drive.Drive):
 
         See also: :meth:`basin`, its exact boundary.
         """
-        from lsvib.basins.resilience import resilience
+        from lsvib.dynamics.resilience import resilience
 
         return resilience(self, window)
 
@@ -410,6 +410,6 @@ def simulate(scene: Scene | Mapping[str, Any] | str | Path) -> "xr.Dataset":
 
     See also: :meth:`Drive.simulate`, of a drive that is there.
     """
-    from lsvib.datasets.motion import Simulation, as_scene
+    from lsvib.answers.motion import Simulation, as_scene
 
     return Simulation.of(as_scene(scene, {}, {})).dataset()

@@ -22,10 +22,10 @@ from references.drives import DRIVES, MODELS, NEAR_FOLD, PARADOX, threads_drive,
 
 import lsvib
 from lsvib import Drive, api
-from lsvib.basins.boundary import basin
-from lsvib.dynamics.attractor import steady_state
-from lsvib.engine.motion import follow
-from lsvib.models.model import automaton_of
+from lsvib.drives.model import automaton_of
+from lsvib.dynamics.boundary import basin
+from lsvib.systems.attractor import steady_state
+from lsvib.systems.motion import follow
 
 ROOT = Path(__file__).parents[2]
 START = {"u": 0.1, "w": 0.0}

@@ -9,7 +9,7 @@ import pytest
 import xarray as xr
 
 from benchmarks.judge import Verdict
-from lsvib.figures.configuration import load
+from lsvib.chapter.configuration import load
 
 SETTINGS = {
     "ablation": {"duration": 0.3, "repeats": 3, "fresh": 1},

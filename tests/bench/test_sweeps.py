@@ -19,9 +19,9 @@ from benchmarks.sweeps.energy_balance import balance, residual, terms
 from benchmarks.sweeps.families import Case, CaseFamily
 from benchmarks.sweeps.paths import automaton, fields
 from lsvib import Drive
-from lsvib.engine.motion import follow
+from lsvib.drives.model import automaton_of
 from lsvib.errors import EngineError, InputError
-from lsvib.models.model import automaton_of
+from lsvib.systems.motion import follow
 
 EXACT = 1e-12  # of the size of the motion, as the project demands of a rigid drive
 

@@ -17,16 +17,16 @@ from references.drives import PARADOX
 from references.sizes import sizes
 
 from lsvib import Drive
-from lsvib.datasets.attributes import counted
-from lsvib.datasets.io import read_dataset
-from lsvib.engine.motion import follow
+from lsvib.answers.attributes import counted
+from lsvib.answers.io import read_dataset
+from lsvib.chapter.build import compute_figure
+from lsvib.chapter.configuration import DEFAULT, checked, standard_settings
+from lsvib.drives.model import automaton_of
+from lsvib.drives.pairings import PAIRINGS
+from lsvib.drives.scene import read_yaml
 from lsvib.errors import LsvibError
-from lsvib.figures.build import compute_figure
-from lsvib.figures.configuration import DEFAULT, checked, standard_settings
 from lsvib.files import check_outputs, replacing, uninterrupted
-from lsvib.models.model import automaton_of
-from lsvib.models.pairings import PAIRINGS
-from lsvib.models.scene import read_yaml
+from lsvib.systems.motion import follow
 
 CONFIG = Path(__file__).parents[2] / "config" / "config.yaml"
 

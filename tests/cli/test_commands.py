@@ -11,8 +11,8 @@ from references.drives import DRIVES, GIVEN, NEAR_FOLD, PARADOX, threads_drive
 
 import lsvib
 from lsvib import Drive
-from lsvib.models.description import description_of
-from lsvib.models.drive import PARTS
+from lsvib.drives.description import description_of
+from lsvib.drives.drive import PARTS
 
 SLIDING = lsvib.Drive(translation_damping=1000)
 FOLD = ("--set", "mass=11", "--set", "support_damping=2e-3", "--set", "axial_force=-18.37")

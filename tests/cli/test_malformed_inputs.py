@@ -11,10 +11,10 @@ from references.command_line import complaint, refused, state_of_the_folder
 from references.drives import JERKING, NEAR_FOLD, NEGATIVE_DAMPING, PARADOX, nut_drive, support_drive, threads_drive
 
 import lsvib
-from lsvib.basins.grid import Grid
-from lsvib.datasets.io import read_dataset
-from lsvib.figures.configuration import DEFAULT, checked
-from lsvib.models.scene import read_yaml
+from lsvib.answers.io import read_dataset
+from lsvib.chapter.configuration import DEFAULT, checked
+from lsvib.drives.scene import read_yaml
+from lsvib.systems.grid import Grid
 
 SETTINGS = read_yaml(DEFAULT)
 RANGE = "is outside the allowed range"

@@ -11,7 +11,7 @@ import pytest
 import yaml
 
 import lsvib
-from lsvib.datasets.io import read_dataset
+from lsvib.answers.io import read_dataset
 
 ROOT = Path(__file__).parents[2]
 PAGES = ("README.md", "docs/command.md", "docs/python.md")

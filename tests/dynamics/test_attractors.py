@@ -21,17 +21,16 @@ from references.comparisons import liouville
 from references.drives import DRIVES, OFFERED, catalogue_drive
 from references.known import NEGATIVE_DAMPING, PARADOX
 
-from benchmarks.leaving_out import without_rest
 from lsvib import Drive
-from lsvib.dynamics.attractor import Attractor, Doubt, SteadyState, orbit_extremes, steady_state
-from lsvib.dynamics.cycles import observable_integrals
-from lsvib.dynamics.kernels import attractor as rule
-from lsvib.engine.kernels import flow_planar, layout
-from lsvib.engine.motion import Budget, Motion, follow
+from lsvib.drives.model import automaton_of, model_of
+from lsvib.drives.names import Event
 from lsvib.errors import WorkSpentError
-from lsvib.models.model import automaton_of, model_of
-from lsvib.models.names import Event
 from lsvib.stability.force_thresholds import threshold_force
+from lsvib.systems.attractor import Attractor, Doubt, SteadyState, orbit_extremes, steady_state
+from lsvib.systems.cycles import observable_integrals
+from lsvib.systems.kernels import attractor as rule
+from lsvib.systems.kernels import flow_planar, layout
+from lsvib.systems.motion import Budget, Motion, follow
 
 
 def attractor(drive, start=(0.05, 5.0), **options):
@@ -112,7 +111,7 @@ def test_unbounded(mass, damping, force):
     In the last two C₊ < −2 √(k Γ₊): an unstable node, which is left for ever without meeting Q = 0 again.
     """
     drive = Drive.of(mass=mass, translation_damping=damping, axial_force=force)
-    assert steady_state(without_rest(drive), (0.05, 5.0)).label == Attractor.UNBOUNDED
+    assert steady_state(automaton_of(drive, rest=False), (0.05, 5.0)).label == Attractor.UNBOUNDED
 
 
 @pytest.mark.parametrize("start", [(0.05, 5.0), (0.0, -40.0), (-0.2, 100.0)])

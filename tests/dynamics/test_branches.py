@@ -8,7 +8,7 @@ from references.branches import Judge, random_branch
 from references.drives import rigid_drive
 from references.sizes import sizes
 
-from lsvib.dynamics.shooting import Shooting, Units
+from lsvib.systems.shooting import Shooting, Units
 
 KNOWN = [  # drive, period of the cycle, parameter, span; values that it reaches as attracting cycles, the last a fold
     ({

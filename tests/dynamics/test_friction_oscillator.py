@@ -16,14 +16,14 @@ import numpy as np
 import pytest
 from references.sizes import sizes
 
-from lsvib.dynamics.attractor import Attractor, KnownCycles, end_of_motion, steady_state
-from lsvib.dynamics.continuation import follow_cycle
-from lsvib.dynamics.cycles import cycle_of
-from lsvib.engine.automaton import Branch, Guard, Mode, Surface, Transition, assemble
-from lsvib.engine.exact.taylor_form import TaylorMode, still_mode
-from lsvib.engine.kernels.layout import FIRST_MODEL_KIND
-from lsvib.engine.kernels.layout import Test as Is
-from lsvib.models.sliding import divided
+from lsvib.drives.sliding import divided
+from lsvib.systems.attractor import Attractor, KnownCycles, end_of_motion, steady_state
+from lsvib.systems.automaton import Branch, Guard, Mode, Surface, Transition, assemble
+from lsvib.systems.continuation import follow_cycle
+from lsvib.systems.cycles import cycle_of
+from lsvib.systems.exact.taylor_form import TaylorMode, still_mode
+from lsvib.systems.kernels.layout import FIRST_MODEL_KIND
+from lsvib.systems.kernels.layout import Test as Is
 
 DAMPING, DYNAMIC, STATIC_RATIO, FADING_SPEED = 0.05, 0.5, 2.0, 0.5
 STOP, RELEASE, PASSAGE = range(FIRST_MODEL_KIND, FIRST_MODEL_KIND + 3)

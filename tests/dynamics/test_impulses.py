@@ -7,7 +7,7 @@ import pytest
 from references.drives import DRIVES
 
 import lsvib
-from lsvib.datasets.motion import Simulation, as_scene
+from lsvib.answers.motion import Simulation, as_scene
 from lsvib.dynamics.impulses import event_impulses, seizure_impulse
 
 SPRAG = {"mass": 40.0, "support_damping": 1e-3, "duration": 0.05}

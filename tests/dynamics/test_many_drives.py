@@ -13,15 +13,15 @@ from references.known import NEAR_FOLD, NEGATIVE_DAMPING, PARADOX, REPELLING_SLI
 from references.sizes import sizes
 
 from lsvib import Drive
-from lsvib.basins.grid import Axis, Grid
-from lsvib.datasets.map import mapper
-from lsvib.dynamics.attractor import Attractor
+from lsvib.answers.map import mapper
+from lsvib.drives.drive import PART_OF
+from lsvib.drives.many import ManyDrives, groups
+from lsvib.drives.mechanism import standing_state
+from lsvib.drives.model import automaton_of
 from lsvib.dynamics.sweep import all_endings, ending_of, endings_at_once
 from lsvib.errors import InputError
-from lsvib.models.drive import PART_OF
-from lsvib.models.many import ManyDrives, groups
-from lsvib.models.mechanism import standing_state
-from lsvib.models.model import automaton_of
+from lsvib.systems.attractor import Attractor
+from lsvib.systems.grid import Axis, Grid
 
 NEAR_THRESHOLDS = {
     "mass": uniform(1, 20), "axial_force": uniform(-60, 60), "support_damping": uniform(0, 2e-3),

@@ -25,14 +25,14 @@ from references.sizes import sizes
 
 import lsvib
 from lsvib import Drive
-from lsvib.dynamics.attractor import Attractor, steady_state
-from lsvib.dynamics.cycles import cycle_of
-from lsvib.dynamics.poincare_map import Section, derivative, section_key
-from lsvib.engine.motion import follow
+from lsvib.drives.mechanism import seated_state, standing_state
+from lsvib.drives.model import automaton_of
+from lsvib.drives.names import Event
 from lsvib.errors import EngineError
-from lsvib.models.mechanism import seated_state, standing_state
-from lsvib.models.model import automaton_of
-from lsvib.models.names import Event
+from lsvib.systems.attractor import Attractor, steady_state
+from lsvib.systems.cycles import cycle_of
+from lsvib.systems.motion import follow
+from lsvib.systems.section import Section, derivative, section_key
 
 STEP = arb(10) ** -10
 EVENTS = 7

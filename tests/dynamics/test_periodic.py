@@ -15,16 +15,16 @@ from references.known import NEAR_FOLD, NEGATIVE_DAMPING, PARADOX, REPELLING_SLI
 from references.sizes import sizes
 
 import lsvib
-from lsvib.datasets.cycles import branch_dataset, branch_json
-from lsvib.dynamics.attractor import Attractor, steady_state
-from lsvib.dynamics.cycles import cycle_of, cycle_on
-from lsvib.dynamics.drive_cycles import Cycle, random_starts
-from lsvib.dynamics.poincare_map import Section
-from lsvib.engine.kernels.layout import GRAZE_KIND
+from lsvib.answers.cycles import branch_dataset, branch_json
+from lsvib.drives.mechanism import seated_state
+from lsvib.drives.model import model_of
+from lsvib.dynamics.cycles import Cycle, random_starts
 from lsvib.errors import EngineError
-from lsvib.models.mechanism import seated_state
-from lsvib.models.model import model_of
 from lsvib.stability.force_thresholds import threshold_force
+from lsvib.systems.attractor import Attractor, steady_state
+from lsvib.systems.cycles import cycle_of, cycle_on
+from lsvib.systems.kernels.layout import GRAZE_KIND
+from lsvib.systems.section import Section
 
 SLIP = NEGATIVE_DAMPING.replace(axial_force=25)
 SUPPORTED = support_drive(mass=15, support_damping=5e-4, support_stiffness=1e5, axial_support_damping=1e4)

@@ -20,13 +20,13 @@ from references.drives import DRIVES, PARADOX
 from references.sizes import sizes
 
 import lsvib
-from lsvib.basins.curves import Window
-from lsvib.datasets.io import read_dataset
-from lsvib.dynamics.attractor import Attractor
+from lsvib.answers.io import read_dataset
+from lsvib.drives import chapter
+from lsvib.drives.scene import Scene
 from lsvib.explore import answers
 from lsvib.explore.view import OF_LAW, View, around
-from lsvib.models import chapter
-from lsvib.models.scene import Scene
+from lsvib.systems.attractor import Attractor
+from lsvib.systems.curves import Window
 
 WINDOW = Window(-0.15, 0.13, -50.0, 35.0)
 

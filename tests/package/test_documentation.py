@@ -12,7 +12,7 @@ import pytest
 from references import chromium
 
 import lsvib
-from lsvib.figures.configuration import FIGURES
+from lsvib.chapter.configuration import FIGURES
 
 ROOT = Path(__file__).parents[2]
 PAGES = sorted(

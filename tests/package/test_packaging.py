@@ -22,7 +22,7 @@ from references.drives import GIVEN
 from references.figure_checks import coarse
 
 import lsvib
-from lsvib.figures.configuration import FIGURES, PARTS, module_of
+from lsvib.chapter.configuration import FIGURES, PARTS, module_of
 
 ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
@@ -131,7 +131,7 @@ FIGURE = """
 import os, sys
 from importlib import import_module
 import numba, numpy, xarray, netCDF4, mpmath, pydantic
-import_module("lsvib.figures.settings")  # every figure has some
+import_module("lsvib.chapter.settings")  # every figure has some
 code, *figures = sys.argv[1:]
 for name, figure in map(str.split, figures):
     if not os.fork():

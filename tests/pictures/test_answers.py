@@ -7,8 +7,8 @@ import pytest
 import xarray as xr
 
 import lsvib
-from lsvib.datasets.cycles import branch_dataset
-from lsvib.datasets.io import write_dataset
+from lsvib.answers.cycles import branch_dataset
+from lsvib.answers.io import write_dataset
 from lsvib.errors import InputError
 
 DRIVE = lsvib.Drive(mass=11, support_damping=1e-3, axial_force=-10)

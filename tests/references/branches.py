@@ -12,12 +12,12 @@ from typing import NamedTuple
 import numpy as np
 
 from lsvib import Drive
-from lsvib.dynamics.attractor import steady_state
-from lsvib.dynamics.cycles import cycle_of
-from lsvib.dynamics.drive_cycles import Cycle
+from lsvib.drives.mechanism import standing_state
+from lsvib.drives.model import automaton_of, model_of
+from lsvib.dynamics.cycles import Cycle
 from lsvib.errors import EngineError, InputError
-from lsvib.models.mechanism import standing_state
-from lsvib.models.model import automaton_of, model_of
+from lsvib.systems.attractor import steady_state
+from lsvib.systems.cycles import cycle_of
 from references.drives import COLLAR, LAWS, MOTOR, OWN, POSSIBLE, drawn, power
 from references.series import Series
 

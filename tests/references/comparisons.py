@@ -7,15 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from lsvib import Drive
-from lsvib.dynamics.attractor import steady_state
+from lsvib.drives.command import Command
+from lsvib.drives.model import automaton_of, model_of
+from lsvib.drives.names import Event
 from lsvib.dynamics.energy import work
-from lsvib.engine.kernels import layout
-from lsvib.engine.kernels.layout import ACCUMULATION_KIND, GRAZE_KIND
-from lsvib.engine.motion import Motion, follow
 from lsvib.errors import EngineError, InputError
-from lsvib.models.command import Command
-from lsvib.models.model import automaton_of, model_of
-from lsvib.models.names import Event
+from lsvib.systems.attractor import steady_state
+from lsvib.systems.kernels import layout
+from lsvib.systems.kernels.layout import ACCUMULATION_KIND, GRAZE_KIND
+from lsvib.systems.motion import Motion, follow
 from references.bodies import Bodies
 from references.drives import drive_with_parts
 from references.rigid_digits import RigidTruth, simulate

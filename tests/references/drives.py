@@ -14,11 +14,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from lsvib import Drive
+from lsvib.drives import chapter
+from lsvib.drives.drive import PART_OF, PARTS
+from lsvib.drives.friction import NAMES
+from lsvib.drives.mechanics import friction_factor
 from lsvib.errors import InputError
-from lsvib.models import chapter
-from lsvib.models.drive import PART_OF, PARTS
-from lsvib.models.friction import NAMES
-from lsvib.models.mechanics import friction_factor
 from references.known import JERKING, NEAR_FOLD, NEGATIVE_DAMPING, PARADOX  # noqa: F401  (where tests look for drives)
 from references.rigid_digits import RigidTrueDrive
 

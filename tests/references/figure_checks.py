@@ -12,10 +12,10 @@ import yaml
 from matplotlib import rc_context
 from matplotlib.figure import Figure
 
-from lsvib.datasets.checks import Check
-from lsvib.datasets.io import read_dataset
-from lsvib.figures import build
-from lsvib.figures.configuration import load
+from lsvib.answers.io import read_dataset
+from lsvib.chapter import build
+from lsvib.chapter.checks import Check
+from lsvib.chapter.configuration import load
 from lsvib.pictures import style
 
 STANDARD, COARSE = Path(__file__).parents[2] / "config" / "config.yaml", Path(__file__).with_name("coarse.yaml")

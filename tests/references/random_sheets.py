@@ -4,12 +4,12 @@ from typing import Any
 
 from benchmarks.sheets.own_sheets import OwnSheet
 from lsvib import Drive
-from lsvib.assess.materials import NUT_MATERIALS, SCREW_MATERIALS
-from lsvib.assess.operation import Draw
-from lsvib.assess.sheet import Sheet
-from lsvib.assess.window import OperatingWindow
+from lsvib.drives.pairings import PAIRINGS
 from lsvib.errors import InputError
-from lsvib.models.pairings import PAIRINGS
+from lsvib.sheets.materials import NUT_MATERIALS, SCREW_MATERIALS
+from lsvib.sheets.operation import Draw
+from lsvib.sheets.sheet import Sheet
+from lsvib.sheets.window import OperatingWindow
 
 CHAPTER = {
     "name": "Table 8.1", "thread": {"lead_angle": "5.57 deg", "pitch_diameter": "10.36 mm"},

@@ -10,9 +10,9 @@ from references.newton import eigenvalues_of_sliding
 from references.sizes import sizes
 
 from lsvib import Drive
+from lsvib.drives import friction
+from lsvib.drives.pairings import PAIRINGS
 from lsvib.errors import InputError, NoThreshold
-from lsvib.models import friction
-from lsvib.models.pairings import PAIRINGS
 from lsvib.stability import spectrum
 from lsvib.stability.boundaries import stable_set
 from lsvib.stability.conditions import stability

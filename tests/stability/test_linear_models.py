@@ -14,12 +14,12 @@ from references.drives import DRIVES, nut_drive, support_drive, threads_drive
 from references.newton import eigenvalues, state_matrix
 
 from lsvib import Drive
-from lsvib.engine.exact.arithmetic import many_digits
-from lsvib.models.mechanics import LinearParts, coefficients
+from lsvib.drives.mechanics import LinearParts, coefficients
 from lsvib.stability import conditions, spectrum
 from lsvib.stability.boundaries import place_values
 from lsvib.stability.conditions import stability
 from lsvib.stability.spectrum import UndampedClass, eigenvalue_pair
+from lsvib.systems.exact.arithmetic import many_digits
 
 
 def growth_rate(values, law: int) -> np.ndarray:

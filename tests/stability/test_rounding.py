@@ -8,8 +8,8 @@ import math
 import pytest
 
 from lsvib import Drive
-from lsvib.models import chapter
-from lsvib.models.mechanics import coefficients
+from lsvib.drives import chapter
+from lsvib.drives.mechanics import coefficients
 from lsvib.numbers import bisected
 from lsvib.stability.force_thresholds import threshold_force
 from lsvib.stability.threshold import solve_threshold

@@ -18,8 +18,8 @@ from references.newton import DIGITS, eigenvalues, is_stable, steady_law
 from references.threshold_digits import Named
 
 from lsvib import Drive
+from lsvib.drives.drive import PARTS, zero_if_close
 from lsvib.errors import InputError
-from lsvib.models.drive import PARTS, zero_if_close
 from lsvib.stability import spectrum
 from lsvib.stability.boundaries import stable_set
 from lsvib.stability.conditions import stability

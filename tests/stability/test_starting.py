@@ -11,11 +11,11 @@ from references.sizes import sizes
 
 import lsvib
 from lsvib import Attractor, Drive, NoThreshold
-from lsvib.engine.motion import enter
-from lsvib.models.drive import PARTS
-from lsvib.models.mechanism import standing_state
-from lsvib.models.model import automaton_of, model_of
+from lsvib.drives.drive import PARTS
+from lsvib.drives.mechanism import standing_state
+from lsvib.drives.model import automaton_of, model_of
 from lsvib.stability.starting import runs_evenly
+from lsvib.systems.motion import enter
 
 EVERYWHERE = Drive(
     lead_angle=0.0972, support_damping=5e-4, static_friction_coefficient=0.27, axial_force=40.0, slide_friction=3.0,

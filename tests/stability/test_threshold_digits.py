@@ -4,7 +4,7 @@ Reference values and derivatives, by differences, have 40 digits (``references/t
 cycles end at the force of global stability (docs/basin.md), one with rest and one without, where the map of seizures
 has the slope 1.
 
-What the forces divide the motions of charts show (``datasets/test_charts.py``); of global stability it is asked here,
+What the forces divide the motions of charts show (``answers/test_charts.py``); of global stability it is asked here,
 too, up to 1e-9 beside it: motions from all over the plane, from the end of rest and from the cycle without rest settle,
 or one of them does not.
 """
@@ -22,17 +22,17 @@ from references.drives import LIKE_PARTS, LIKE_TABLE_8_1, PARADOX, about, decade
 from references.threshold_digits import WORK, gap, root
 
 from lsvib import Drive
-from lsvib.basins.boundary import Boundary, basin
-from lsvib.dynamics.attractor import Attractor, steady_state
-from lsvib.engine.kernels.layout import Status
-from lsvib.engine.motion import follow
+from lsvib.drives.model import automaton_of
+from lsvib.drives.names import Event
+from lsvib.dynamics.boundary import Boundary, basin
 from lsvib.errors import EngineError, InputError, NoThreshold
-from lsvib.models.model import automaton_of
-from lsvib.models.names import Event
 from lsvib.stability.force_thresholds import threshold_force, widest_return
 from lsvib.stability.motion_equations import Return
 from lsvib.stability.slip import SlipDrive, half_return, leaving
 from lsvib.stability.threshold import _start, solve_threshold
+from lsvib.systems.attractor import Attractor, steady_state
+from lsvib.systems.kernels.layout import Status
+from lsvib.systems.motion import follow
 
 DRIVES = 8  # of each threshold
 SLOPES = 2  # of these whose derivatives are compared

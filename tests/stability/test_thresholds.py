@@ -20,14 +20,14 @@ from references.threshold_digits import gap, jam, root
 
 import lsvib
 from lsvib import Drive
-from lsvib.basins.boundary import Boundary, basin
-from lsvib.dynamics.attractor import Attractor, orbit_extremes, steady_state
-from lsvib.models import chapter
-from lsvib.models.mechanics import coefficients
-from lsvib.models.mechanism import seated_state
-from lsvib.models.model import automaton_of
+from lsvib.drives import chapter
+from lsvib.drives.mechanics import coefficients
+from lsvib.drives.mechanism import seated_state
+from lsvib.drives.model import automaton_of
+from lsvib.dynamics.boundary import Boundary, basin
 from lsvib.stability.force_thresholds import threshold_force
 from lsvib.stability.threshold import solve_threshold
+from lsvib.systems.attractor import Attractor, orbit_extremes, steady_state
 
 DIGITS = 40
 

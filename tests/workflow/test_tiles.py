@@ -6,9 +6,9 @@ import pytest
 import yaml
 from conftest import ROOT, copy_of_sources
 
-from lsvib.datasets.io import read_dataset
-from lsvib.datasets.map import gather_map, map_tile
-from lsvib.figures.configuration import given
+from lsvib.answers.io import read_dataset
+from lsvib.answers.map import gather_map, map_tile
+from lsvib.chapter.configuration import given
 
 pytestmark = pytest.mark.workflow
 

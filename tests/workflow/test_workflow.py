@@ -16,9 +16,9 @@ from tools.rule_graph import rule_graph
 
 from benchmarks.rivals.method_list import METHODS
 from lsvib import Drive
-from lsvib.datasets.io import read_dataset
-from lsvib.figures.configuration import BENCHMARKS, FIGURES, given, load
-from lsvib.models import chapter
+from lsvib.answers.io import read_dataset
+from lsvib.chapter.configuration import BENCHMARKS, FIGURES, given, load
+from lsvib.drives import chapter
 
 pytestmark = pytest.mark.workflow
 
@@ -61,7 +61,7 @@ def test_a_run_makes_everything_and_says_what_it_found(finished):
 
 def test_an_edit_of_the_package_makes_everything_anew(built):
     assert built.plan() == set()
-    built.edit("src/lsvib/engine/kernels/event_loop.py", '"""\n', '"""\n# an edit\n')
+    built.edit("src/lsvib/systems/kernels/event_loop.py", '"""\n', '"""\n# an edit\n')
     assert built.plan() == ANEW
 
 
@@ -95,7 +95,7 @@ def test_the_rules_are_those_that_the_picture_shows():
 @pytest.mark.slow
 def test_a_failed_check_fails_the_run_with_the_reason(built):
     """Also where all checks have passed before, and again in the next run; a figure built alone says it, too."""
-    built.edit("src/lsvib/models/chapter.yaml", "value: 10.10", "value: 20.0")
+    built.edit("src/lsvib/drives/chapter.yaml", "value: 10.10", "value: 20.0")
     assert "A check failed. fig8_08: Critical mass" in built("results/figures/fig8_08.png").stdout
     for _ in range(2):
         run = built()
@@ -233,7 +233,7 @@ def test_results_that_were_not_made_here_do_not_pass(built):
     """Snakemake, without its records, takes them for good, also those with other settings, or sources, or damaged."""
     shutil.rmtree(built.folder / ".snakemake")
     config = ("config/config.yaml", "  dampings: [1.0e-5, 2.0e-4, 1.0e-3, 1.0e-2]\n", "  dampings: [1.0e-5]\n")
-    source = ("src/lsvib/engine/kernels/event_loop.py", '"""\n', '"""\n# an edit\n')
+    source = ("src/lsvib/systems/kernels/event_loop.py", '"""\n', '"""\n# an edit\n')
     for (file, old, new), words in ((config, "another configuration"), (source, "other sources")):
         built.edit(file, old, new)
         assert built.plan() == set()

@@ -1,7 +1,7 @@
 """The configuration, checked, and what several rules ask of it."""
 
 from lsvib.errors import LsvibError
-from lsvib.figures import configuration
+from lsvib.chapter import configuration
 from snakemake.exceptions import WorkflowError
 
 try:

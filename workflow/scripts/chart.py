@@ -3,6 +3,6 @@
 from job import logged
 
 with logged(snakemake):
-    from lsvib.datasets.sweep import write_chart
+    from lsvib.answers.sweep import write_chart
 
     write_chart(snakemake.params.settings, snakemake.output[0], snakemake.threads)

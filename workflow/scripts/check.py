@@ -3,10 +3,10 @@
 from job import logged
 
 with logged(snakemake):
-    from lsvib.datasets.checks import read_checks, report
-    from lsvib.datasets.statements import read_statements
+    from lsvib.chapter.checks import read_checks, report
+    from lsvib.chapter.statements import read_statements
+    from lsvib.drives.chapter import FILE
     from lsvib.files import write_json, write_text
-    from lsvib.models.chapter import FILE
 
     checks = [pair for file in snakemake.input for pair in read_checks(file)]
     write_json([{"figure": figure, **check.to_json()} for figure, check in checks], snakemake.output.json)

@@ -5,6 +5,6 @@ from pathlib import Path
 from job import logged
 
 with logged(snakemake):
-    from lsvib.assess.report import compare
+    from lsvib.sheets.report import compare
 
     compare([Path(file) for file in snakemake.input], *map(Path, snakemake.output))

@@ -7,10 +7,10 @@ LAW = {"stribeck_rise": 0.02, "stribeck_speed": 0.01}
 
 with logged(snakemake):
     from lsvib import Drive
-    from lsvib.dynamics.attractor import compile_rule
     from lsvib.dynamics.energy import work
-    from lsvib.engine.motion import compile_engine
     from lsvib.files import write_text
+    from lsvib.systems.attractor import compile_rule
+    from lsvib.systems.motion import compile_engine
 
     part = snakemake.wildcards.part
     if part == "planar":

@@ -3,9 +3,9 @@
 from job import logged
 
 with logged(snakemake):
-    from lsvib.datasets.checks import failures
-    from lsvib.figures.build import compute_figure
-    from lsvib.figures.configuration import PARTS
+    from lsvib.chapter.build import compute_figure
+    from lsvib.chapter.checks import failures
+    from lsvib.chapter.configuration import PARTS
 
     figure, files = snakemake.wildcards.figure, snakemake.input
     parts = {name: files.get(name) for name in PARTS if files.get(name)}

@@ -3,6 +3,6 @@
 from job import logged
 
 with logged(snakemake):
-    from lsvib.figures.build import draw_figure
+    from lsvib.chapter.build import draw_figure
 
     draw_figure(snakemake.wildcards.figure, snakemake.input[0], *snakemake.output)

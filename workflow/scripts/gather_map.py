@@ -3,6 +3,6 @@
 from job import logged
 
 with logged(snakemake):
-    from lsvib.datasets.map import gather_map
+    from lsvib.answers.map import gather_map
 
     gather_map(snakemake.params.settings, list(snakemake.input), snakemake.output[0])

@@ -3,6 +3,6 @@
 from job import logged
 
 with logged(snakemake):
-    from lsvib.datasets.map import map_tile
+    from lsvib.answers.map import map_tile
 
     map_tile(snakemake.params.settings, snakemake.wildcards.scatteritem, snakemake.output[0], snakemake.threads)

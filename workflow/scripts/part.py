@@ -3,6 +3,6 @@
 from job import logged
 
 with logged(snakemake):
-    from lsvib.figures.build import compute_part
+    from lsvib.chapter.build import compute_part
 
     compute_part(snakemake.wildcards.figure, snakemake.params.part, snakemake.params.settings, snakemake.output[0])

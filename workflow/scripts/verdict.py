@@ -7,9 +7,9 @@ from job import logged
 
 with logged(snakemake):
     import lsvib
-    from lsvib.datasets.checks import counts, failures, printed_thresholds, read_checks, verdict
-    from lsvib.datasets.io import read_dataset
-    from lsvib.figures.configuration import complete_settings, sources_of
+    from lsvib.answers.io import read_dataset
+    from lsvib.chapter.checks import counts, failures, printed_thresholds, read_checks, verdict
+    from lsvib.chapter.configuration import complete_settings, sources_of
 
     wrong = []
     for (figure, given), file in zip(snakemake.params.settings.items(), snakemake.input.datasets, strict=True):

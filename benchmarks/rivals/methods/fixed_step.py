@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from benchmarks.rivals.hybrid import Clock, GaveUp, Hybrid, Integrate
-from lsvib.engine.kernels.jit import allocating_entry, entry
+from lsvib.systems.kernels.jit import allocating_entry, entry
 
 _REFINEMENTS = 3  # secant steps towards a guard's zero: each adds digits until those of the step are reached
 _LOST = -2  # where the state is beyond all numbers

@@ -16,9 +16,9 @@ from sksundae.cvode import CVODE
 from benchmarks.judge import Record
 from benchmarks.rivals.hybrid import Clock, Hybrid
 from benchmarks.rivals.race_scenes import RaceScene
-from lsvib.engine.kernels.jit import entry
-from lsvib.models.mechanics import coefficients
-from lsvib.models.mechanism import seated_state
+from lsvib.drives.mechanics import coefficients
+from lsvib.drives.mechanism import seated_state
+from lsvib.systems.kernels.jit import entry
 
 _TOLERANCE = 1e-8  # relative; below the error of any width ε
 _STEPS = 2_000_000  # at most, in a run; the limit on its time comes first

@@ -6,9 +6,9 @@ import numpy as np
 
 from benchmarks.judge import Record
 from benchmarks.rivals.hybrid import Clock, GaveUp, Hybrid, Recorder, counted
-from lsvib.engine.kernels.layout import Status
-from lsvib.engine.motion import Motion, follow
 from lsvib.errors import EngineError
+from lsvib.systems.kernels.layout import Status
+from lsvib.systems.motion import Motion, follow
 
 
 def runner(hybrid: Hybrid, setting: float, clock: Clock, max_events: int) -> Callable:

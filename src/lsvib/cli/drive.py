@@ -7,8 +7,8 @@ from cyclopts import Parameter
 
 from lsvib.cli.app import app, show
 from lsvib.cli.options import CHAPTER, AsJson, DriveOptions, SceneFile
+from lsvib.drives.thresholds import TABLE
 from lsvib.errors import InputError
-from lsvib.models.thresholds import TABLE
 from lsvib.words import table
 
 
@@ -22,9 +22,9 @@ def config(*, drive: DriveOptions = CHAPTER, scene: SceneFile = None, as_json: A
 
         lsvib config --set contact_stiffness=1e8 --set contact_damping=1e8
     """
-    from lsvib.models.complaints import allowed_range
-    from lsvib.models.drive import Drive, described
-    from lsvib.models.scene import Scene, read_yaml
+    from lsvib.drives.complaints import allowed_range
+    from lsvib.drives.drive import Drive, described
+    from lsvib.drives.scene import Scene, read_yaml
     from lsvib.numbers import names_and_values
 
     start = read_yaml(scene) if scene else {}
@@ -54,7 +54,7 @@ def describe(*, drive: DriveOptions = CHAPTER, as_json: AsJson = False) -> None:
 
         lsvib describe --set contact_stiffness=1e8 --set screw_mass=3 --set support_stiffness=1e6
     """
-    from lsvib.models.description import description_of
+    from lsvib.drives.description import description_of
 
     own = drive.drive()
     found, where = description_of(own), "in steady sliding" if own.input_speed else "with the coupling relaxed"
@@ -81,7 +81,7 @@ def pairings(*, as_json: AsJson = False) -> None:
 
         lsvib config --set friction=steel_on_bronze_lubricated
     """
-    from lsvib.models.pairings import PAIRINGS
+    from lsvib.drives.pairings import PAIRINGS
 
     found = {
         key: {"low": one.low, "high": one.high, "parameters": one.parameters(), "source": one.source}

@@ -24,7 +24,7 @@ def draw(
 
         lsvib draw motion.nc motion.png
     """
-    from lsvib.datasets.io import read_dataset
+    from lsvib.answers.io import read_dataset
 
     files = Files(None, figure, reads=file)
     files.write(read_dataset(file))
@@ -53,10 +53,10 @@ def figure(
 
         lsvib figure nut_stability
     """
-    from lsvib.figures.build import compute_figure, draw_figure
-    from lsvib.figures.configuration import DEFAULT, section
+    from lsvib.chapter.build import compute_figure, draw_figure
+    from lsvib.chapter.configuration import DEFAULT, section
+    from lsvib.drives.scene import read_yaml
     from lsvib.files import check_outputs, replacing
-    from lsvib.models.scene import read_yaml
 
     name = _name(number)
     here = Path("config/config.yaml")
@@ -82,7 +82,7 @@ def figure(
 
 def _name(number: str) -> str:
     """Return the name of a figure, which may be given by its number in the chapter."""
-    from lsvib.figures.configuration import BENCHMARKS, FIGURES
+    from lsvib.chapter.configuration import BENCHMARKS, FIGURES
 
     labels = {name: _label(name) for name in (*FIGURES, *BENCHMARKS)}
     for name, label in labels.items():
@@ -93,9 +93,9 @@ def _name(number: str) -> str:
 
 def _changed_drive(number: str, name: str, section: Mapping[str, Any], changes: Mapping[str, str]) -> dict[str, Any]:
     """Return the drive of a figure with changes; a change that would change nothing in the figure is refused."""
-    from lsvib.figures.configuration import settings_of
-    from lsvib.models.drive import Drive, changed
-    from lsvib.models.pairings import in_parameters
+    from lsvib.chapter.configuration import settings_of
+    from lsvib.drives.drive import Drive, changed
+    from lsvib.drives.pairings import in_parameters
     from lsvib.numbers import number as number_of
 
     settings, changes = settings_of(name), in_parameters(changes)

@@ -13,7 +13,7 @@ from lsvib.errors import InputError
 from lsvib.words import plain
 
 if TYPE_CHECKING:
-    from lsvib.basins.resilience import Resilience
+    from lsvib.dynamics.resilience import Resilience
 
 Quantities = Annotated[
     list[Literal["label", "time", "seizures", "first_event", "doubt"]],
@@ -42,7 +42,7 @@ def attraction(
         lsvib attraction --set contact_stiffness=1e8 --set contact_damping=1e8 --set mass=11 --grid u=-0.05:0.05:100
         w=-15:15:100 --out slice.nc
     """
-    from lsvib.datasets.map import summary, text
+    from lsvib.answers.map import summary, text
 
     files = options.Files(out, figure)
     starts = {axis.key: tuple(axis[1:]) if isinstance(axis, options.Steps) else axis.number for axis in grid}

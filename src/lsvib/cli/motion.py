@@ -33,7 +33,7 @@ def simulate(
 
         lsvib simulate --scene scene.yaml --samples 5000 --out motion.nc --figure motion.png --json
     """
-    from lsvib.datasets.motion import Simulation, as_scene
+    from lsvib.answers.motion import Simulation, as_scene
 
     files = options.Files(out, figure, reads=scene)
     given = {"duration": duration, "samples": samples, "start": options.start_of(start)}
@@ -67,7 +67,7 @@ def sweep(
 
         lsvib sweep --set mass=9 --over contact_damping=1:1e9:30 --over contact_stiffness=1e4:1e9:30
     """
-    from lsvib.datasets.sweep import summary, text
+    from lsvib.answers.sweep import summary, text
 
     files = options.Files(out, figure)
     if figure and len(over) > 2:
@@ -115,7 +115,7 @@ def follow(
 
         lsvib follow --over mass=10.2:14 --set mass=11 --out branch.nc --json
     """
-    from lsvib.datasets.cycles import branch_dataset, branch_json, branch_text
+    from lsvib.answers.cycles import branch_dataset, branch_json, branch_text
     from lsvib.numbers import whole_between
 
     files, made = options.Files(out, figure), drive.drive()

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
 from cyclopts import Parameter
 
 from lsvib import numbers
+from lsvib.drives.pairings import stated
 from lsvib.errors import InputError
-from lsvib.models.pairings import stated
 
 if TYPE_CHECKING:
     import numpy as np
@@ -51,7 +51,7 @@ class Steps(NamedTuple):
 
     def values(self) -> "np.ndarray":
         """Return so many values, both ends included; raises ``InputError``."""
-        from lsvib.datasets.spans import spaced
+        from lsvib.answers.spans import spaced
 
         count = numbers.whole_between(f"{self.key}: count", self.count, 1, 10_000_000)
         return spaced(self.key, self.start, self.stop, count)
@@ -210,7 +210,7 @@ class Files:
 
     def write(self, dataset: "xr.Dataset", command: str = "lsvib") -> None:
         """Write a dataset, and the picture of it."""
-        from lsvib.datasets.io import write_dataset
+        from lsvib.answers.io import write_dataset
         from lsvib.files import replacing
 
         with replacing(*self.paths) as parts:

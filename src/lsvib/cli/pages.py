@@ -45,7 +45,7 @@ def fit(
     if out is not None:
         refuse_results_of_the_workflow(out / "fit.nc")
     with _installed("fit", "assess"):
-        from lsvib.fit.output import fit_file, text_of
+        from lsvib.sheets.fit_output import fit_file, text_of
 
         result = fit_file(sheet, out)
     show(result, as_json, [text_of(result)], out)
@@ -77,14 +77,14 @@ def assess(
     if template and (sheet is not None or out is not None):
         raise InputError("lsvib assess --template goes without a data sheet and --out; it prints a sheet to fill in.")
     if template:
-        print(files("lsvib.assess").joinpath("template.yaml").read_text(encoding="utf-8"), end="")
+        print(files("lsvib.sheets").joinpath("template.yaml").read_text(encoding="utf-8"), end="")
         return
     if sheet is None:
         raise InputError("lsvib assess needs the file of a data sheet; lsvib assess --template prints one to fill in.")
     if out is not None:
         refuse_results_of_the_workflow(out / "index.html")
     with _installed("assess", "assess"):
-        from lsvib.assess.output import assess_file
+        from lsvib.sheets.output import assess_file
     result = assess_file(sheet, out, samples, seed)
     written = [f"wrote {out / 'index.html'}, assessment.nc and assessment.json"] if out is not None else []
     show(result, as_json, [*result["brief"], *written])

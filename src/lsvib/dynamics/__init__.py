@@ -1,1 +1,1 @@
-"""Attractors: steady sliding, rest and limit cycles, and what is carried through a cycle."""
+"""What drives do: works, impulses, cycles, sweeps of many drives, and the basin of steady sliding."""

@@ -12,13 +12,13 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from lsvib.dynamics.attractor import Attractor
+from lsvib.drives import mechanics
+from lsvib.drives.drive import STATIC
+from lsvib.drives.many import ManyDrives
 from lsvib.dynamics.kernels.sweep import REVERSES
 from lsvib.dynamics.sweep import Starts, all_endings
-from lsvib.models import mechanics
-from lsvib.models.drive import STATIC
-from lsvib.models.many import ManyDrives
 from lsvib.numbers import Progress
+from lsvib.systems.attractor import Attractor
 
 
 class Behaviour(IntEnum):

@@ -1,6 +1,6 @@
 """Work per cycle: what motor and load put in, what friction, damping and impacts take out. Of every drive.
 
-Each power is a quadratic form of (x, 1) in a mode (:mod:`lsvib.models.powers`), whose integral the flow knows to
+Each power is a quadratic form of (x, 1) in a mode (:mod:`lsvib.drives.powers`), whose integral the flow knows to
 rounding. The terms are summed from different laws – input and load from the ends of the drive, friction from N and the
 speed of sliding, impacts from the kinetic energy – so that their balance is a check of the cycle.
 """
@@ -10,11 +10,11 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from lsvib.dynamics.cycles import integrals
-from lsvib.engine.automaton import product
-from lsvib.engine.motion import Motion
-from lsvib.models.drive import Drive
-from lsvib.models.powers import Powers
+from lsvib.drives.drive import Drive
+from lsvib.drives.powers import Powers
+from lsvib.systems.automaton import product
+from lsvib.systems.cycles import integrals
+from lsvib.systems.motion import Motion
 
 
 @dataclass(frozen=True)

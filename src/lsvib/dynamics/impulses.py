@@ -25,10 +25,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lsvib.dynamics.cycles import observable_integrals
+from lsvib.drives.drive import Drive
 from lsvib.dynamics.energy import rubbing_integrals
-from lsvib.engine.motion import Motion
-from lsvib.models.drive import Drive
+from lsvib.systems.cycles import observable_integrals
+from lsvib.systems.motion import Motion
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
 """What the motions of many drives with the same parts end on: attractor, size, forces.
 
-Every motion is asked of the one rule (:mod:`lsvib.dynamics.attractor`), block by block in one call of it compiled, with
+Every motion is asked of the one rule (:mod:`lsvib.systems.attractor`), block by block in one call of it compiled, with
 tables made at once in arrays; drives whose tables these do not hold to 1e-12 are followed one by one. No number depends
 on how the drives are shared out.
 """
@@ -13,7 +13,16 @@ from typing import Any
 
 import numpy as np
 
-from lsvib.dynamics.attractor import (
+from lsvib.drives.drive import Drive
+from lsvib.drives.many import Group, ManyDrives, groups
+from lsvib.drives.model import automaton_of, model_of
+from lsvib.drives.names import Event
+from lsvib.dynamics.impulses import balances, event_impulses
+from lsvib.dynamics.kernels import sweep as kernels
+from lsvib.dynamics.kernels.sweep import REVERSES, SPRAGS, STICKS
+from lsvib.errors import EngineError
+from lsvib.numbers import Progress
+from lsvib.systems.attractor import (
     Attractor,
     KnownCycles,
     conserves,
@@ -23,22 +32,13 @@ from lsvib.dynamics.attractor import (
     records,
     steady_state,
 )
-from lsvib.dynamics.impulses import balances, event_impulses
-from lsvib.dynamics.kernels import sweep as kernels
-from lsvib.dynamics.kernels.attractor import end_of
-from lsvib.dynamics.kernels.single_mode import Outcome
-from lsvib.dynamics.kernels.sweep import REVERSES, SPRAGS, STICKS
-from lsvib.dynamics.machine import extremes_of, machine_for, of_one_type
-from lsvib.engine.automaton import Automaton
-from lsvib.engine.kernels import jit, layout
-from lsvib.engine.kernels.layout import Tables
-from lsvib.engine.motion import engine_for, enter
-from lsvib.errors import EngineError
-from lsvib.models.drive import Drive
-from lsvib.models.many import Group, ManyDrives, groups
-from lsvib.models.model import automaton_of, model_of
-from lsvib.models.names import Event
-from lsvib.numbers import Progress
+from lsvib.systems.automaton import Automaton
+from lsvib.systems.kernels import jit, layout
+from lsvib.systems.kernels.attractor import end_of
+from lsvib.systems.kernels.layout import Tables
+from lsvib.systems.kernels.single_mode import Outcome
+from lsvib.systems.machine import extremes_of, machine_for, of_one_type
+from lsvib.systems.motion import engine_for, enter
 
 Starts = Mapping[str, np.ndarray | float]
 WORK = 300_000.0  # events that a motion may take
@@ -46,7 +46,7 @@ _WITHOUT_NUMBERS = (Attractor.UNRESOLVED, Attractor.UNBOUNDED)
 # What a motion ends on; not a number where it has no such number.
 ENDING = np.dtype(
     [
-        ("attractor", np.int8),  # of :class:`lsvib.dynamics.attractor.Attractor`
+        ("attractor", np.int8),  # of :class:`lsvib.systems.attractor.Attractor`
         ("happens", np.int8),  # on a cycle: the sum of those of SPRAGS, STICKS and REVERSES that do
         ("amplitude", float),  # [rad] half the peak-to-peak of u
         ("period", float),  # [s]

@@ -11,24 +11,24 @@ import numpy as np
 import xarray as xr
 from matplotlib.colors import to_rgba_array
 
-from lsvib.basins.curves import Window
-from lsvib.basins.grid import Axis, Grid
-from lsvib.basins.mapper import Mapper
-from lsvib.datasets.io import write_dataset
-from lsvib.datasets.map import mapper
-from lsvib.datasets.motion import Simulation
-from lsvib.datasets.phase_plane import sample
-from lsvib.datasets.spans import stepped
-from lsvib.datasets.sweep import sweep
-from lsvib.dynamics.attractor import Attractor, SteadyState, steady_state
-from lsvib.engine.kernels.layout import Status
-from lsvib.engine.motion import Budget, Motion
+from lsvib.answers.io import write_dataset
+from lsvib.answers.map import mapper
+from lsvib.answers.motion import Simulation
+from lsvib.answers.phase_plane import sample
+from lsvib.answers.spans import stepped
+from lsvib.answers.sweep import sweep
+from lsvib.drives import friction
+from lsvib.drives.drive import Drive
+from lsvib.drives.model import model_of
 from lsvib.errors import EngineError, LsvibError, WorkSpentError
 from lsvib.explore.view import View
-from lsvib.models import friction
-from lsvib.models.drive import Drive
-from lsvib.models.model import model_of
 from lsvib.pictures.attraction import COLOURS
+from lsvib.systems.attractor import Attractor, SteadyState, steady_state
+from lsvib.systems.curves import Window
+from lsvib.systems.grid import Axis, Grid
+from lsvib.systems.kernels.layout import Status
+from lsvib.systems.mapper import Mapper
+from lsvib.systems.motion import Budget, Motion
 from lsvib.words import plain
 
 # Work after which what a motion ends on is unresolved, in events, without and with a friction law; the latter is that

@@ -5,9 +5,9 @@ from collections.abc import Callable
 from bokeh.layouts import column, row
 from bokeh.models import Button, CheckboxGroup, Column, Select, Slider, TextInput
 
+from lsvib.drives.complaints import allowed_range
+from lsvib.drives.drive import IN_WORDS, PARTS, Drive, described, may_vanish
 from lsvib.explore.view import OF_LAW, View
-from lsvib.models.complaints import allowed_range
-from lsvib.models.drive import IN_WORDS, PARTS, Drive, described, may_vanish
 from lsvib.pictures import style
 
 _FROM_ZERO = {  # end of a slider whose parameter is zero: enough to change what the chapter's drive does

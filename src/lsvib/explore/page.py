@@ -18,16 +18,16 @@ from bokeh.layouts import column, row
 from bokeh.models import CustomJS, Div, Row
 
 from lsvib import numbers
-from lsvib.basins.curves import Window
-from lsvib.dynamics.attractor import Attractor
+from lsvib.drives import chapter, friction
+from lsvib.drives.drive import PARTS
 from lsvib.errors import InputError, LsvibError
 from lsvib.explore import answers
 from lsvib.explore.controls import Controls
 from lsvib.explore.plots import Plots
 from lsvib.explore.view import View, around
-from lsvib.models import chapter, friction
-from lsvib.models.drive import PARTS
 from lsvib.pictures.attraction import COLOURS
+from lsvib.systems.attractor import Attractor
+from lsvib.systems.curves import Window
 from lsvib.words import plain
 
 _TO_ADDRESS = """

@@ -23,15 +23,15 @@ from bokeh.models import (
 )
 from bokeh.plotting import figure
 
-from lsvib.basins.curves import Window
-from lsvib.datasets.phase_plane import lines
-from lsvib.dynamics.attractor import Attractor
+from lsvib.answers.phase_plane import lines
+from lsvib.drives.drive import Drive, described
 from lsvib.explore import answers
 from lsvib.explore.answers import Followed
 from lsvib.explore.view import View
-from lsvib.models.drive import Drive, described
 from lsvib.pictures import style
 from lsvib.pictures.attraction import COLOURS
+from lsvib.systems.attractor import Attractor
+from lsvib.systems.curves import Window
 from lsvib.words import plain
 
 _TOOLS = "pan,wheel_zoom,box_zoom,reset,save"

@@ -19,11 +19,11 @@ from tornado.httputil import HTTPServerRequest
 from tornado.web import RequestHandler
 
 from lsvib.api import Drive
-from lsvib.engine.motion import compile_engine
 from lsvib.errors import InputError, LsvibError
 from lsvib.explore import answers
 from lsvib.explore.page import THREAD, Page
 from lsvib.explore.view import View
+from lsvib.systems.motion import compile_engine
 
 MOST_PAGES = 12  # open at once, those included that were closed a moment ago
 # What is shown first: the drive on the front page of the documentation, which slides or vibrates by the start.

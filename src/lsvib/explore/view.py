@@ -9,9 +9,9 @@ import yaml
 
 from lsvib import numbers
 from lsvib.api import Drive
-from lsvib.basins.curves import Window
+from lsvib.drives.scene import Scene
 from lsvib.errors import InputError
-from lsvib.models.scene import Scene
+from lsvib.systems.curves import Window
 
 _WINDOW = ("left", "right", "bottom", "top")
 _NUMBERS = ("u", "w", "duration", "low", "high")

@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from lsvib.datasets.attributes import flag_names, named, quantity
-from lsvib.datasets.io import read_dataset
-from lsvib.datasets.phase_plane import curve, orbits
+from lsvib.answers.attributes import flag_names, named, quantity
+from lsvib.answers.io import read_dataset
+from lsvib.answers.phase_plane import curve, orbits
+from lsvib.drives.drive import Drive
 from lsvib.errors import InputError
-from lsvib.models.drive import Drive
 from lsvib.numbers import shown
 from lsvib.pictures import attraction, chart, style
 
@@ -51,16 +51,16 @@ def open(file: str | os.PathLike[str]) -> xr.Dataset:
 
     Raises ``InputError`` if the file is missing, or no readable netCDF file.
 
-    See also: ``write_dataset`` of :mod:`lsvib.datasets.io`, which writes one.
+    See also: ``write_dataset`` of :mod:`lsvib.answers.io`, which writes one.
     """
     return read_dataset(file)
 
 
 def _dataset(answer: Any) -> xr.Dataset:
     """The dataset of what a method of a drive returned, which has loaded the engine by then."""
-    from lsvib.basins.boundary import Basin
-    from lsvib.datasets.cycles import Cycles, branch_dataset
-    from lsvib.dynamics.continuation import CycleBranch
+    from lsvib.answers.cycles import Cycles, branch_dataset
+    from lsvib.dynamics.boundary import Basin
+    from lsvib.systems.continuation import CycleBranch
 
     if isinstance(answer, CycleBranch):
         return branch_dataset(answer)

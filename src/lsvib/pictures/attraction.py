@@ -3,7 +3,7 @@
 import numpy as np
 import xarray as xr
 
-from lsvib.datasets.attributes import flag_names
+from lsvib.answers.attributes import flag_names
 from lsvib.errors import InputError
 from lsvib.pictures import drawing, style
 

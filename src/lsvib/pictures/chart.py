@@ -3,7 +3,7 @@
 import numpy as np
 import xarray as xr
 
-from lsvib.datasets.attributes import flag_names
+from lsvib.answers.attributes import flag_names
 from lsvib.pictures import attraction, drawing, style
 
 # Light where nothing vibrates, so that the eye goes to what does; distinct for the colour-blind and in grey.

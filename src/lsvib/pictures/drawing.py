@@ -1,4 +1,4 @@
-"""Draw phase planes from the variables of ``lsvib.datasets.phase_plane``: one case, a few motions, lines and marks."""
+"""Draw phase planes from the variables of ``lsvib.answers.phase_plane``: one case, a few motions, lines and marks."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from lsvib.datasets.attributes import flag_names, named
+from lsvib.answers.attributes import flag_names, named
 from lsvib.pictures import style
 
 MOTIONS = (style.BLUE, style.ORANGE, style.SKY, style.PURPLE)

@@ -14,15 +14,15 @@ from typing import Any
 
 from flint import arb, fmpq, fmpq_poly
 
-from lsvib.engine.exact.arithmetic import many_digits
-from lsvib.models import friction
-from lsvib.models.complaints import bounds_of
-from lsvib.models.drive import Drive, may_vanish
-from lsvib.models.mechanics import LinearParts, net_force
-from lsvib.models.model import model_of
+from lsvib.drives import friction
+from lsvib.drives.complaints import bounds_of
+from lsvib.drives.drive import Drive, may_vanish
+from lsvib.drives.mechanics import LinearParts, net_force
+from lsvib.drives.model import model_of
 from lsvib.stability import spectrum
 from lsvib.stability.solve import Equations, allowed, isolated_roots
 from lsvib.stability.spectrum import SAME, Polynomial, each_margin, margins
+from lsvib.systems.exact.arithmetic import many_digits
 
 NAMES = ("onset", "kinematic_constraint", "negative_damping", "flutter")
 """Thresholds that are roots of these equations."""

@@ -14,10 +14,9 @@ from typing import Any
 
 from flint import fmpq, fmpq_poly
 
-from lsvib.engine.exact.arithmetic import many_digits
-from lsvib.models import friction, mechanics
-from lsvib.models.drive import Drive
-from lsvib.models.mechanics import Coefficients, LinearParts
+from lsvib.drives import friction, mechanics
+from lsvib.drives.drive import Drive
+from lsvib.drives.mechanics import Coefficients, LinearParts
 from lsvib.results import Condition, Quantity, StabilityReport
 from lsvib.stability.boundaries import place_values, stable_set
 from lsvib.stability.spectrum import (
@@ -28,6 +27,7 @@ from lsvib.stability.spectrum import (
     spectrum,
     steady_law,
 )
+from lsvib.systems.exact.arithmetic import many_digits
 
 
 def conditions(drive: Drive) -> dict[str, Condition]:

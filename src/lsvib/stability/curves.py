@@ -19,17 +19,17 @@ from typing import Any
 import numpy as np
 from contourpy import contour_generator
 
-from lsvib.engine.exact.arithmetic import many_digits
+from lsvib.drives import friction
+from lsvib.drives.drive import LOGARITHMIC, Drive, once, zero_if_close
+from lsvib.drives.mechanics import LinearParts, coefficients
+from lsvib.drives.model import model_of
+from lsvib.drives.thresholds import TABLE
 from lsvib.errors import NoThreshold
-from lsvib.models import friction
-from lsvib.models.drive import LOGARITHMIC, Drive, once, zero_if_close
-from lsvib.models.mechanics import LinearParts, coefficients
-from lsvib.models.model import model_of
-from lsvib.models.thresholds import TABLE
 from lsvib.stability.force_thresholds import threshold_force
 from lsvib.stability.solve import bracketed_root
 from lsvib.stability.spectrum import enclosed, margins, polynomial, sliding_law
 from lsvib.stability.starting import runs_evenly
+from lsvib.systems.exact.arithmetic import many_digits
 
 _ROUNDED = 1e-13  # of a place between two nodes, relative
 

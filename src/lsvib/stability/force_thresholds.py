@@ -16,13 +16,13 @@ from typing import Any
 
 from flint import arb
 
-from lsvib.engine.exact.arithmetic import many_digits
+from lsvib.drives.complaints import allowed_range
+from lsvib.drives.drive import Drive
 from lsvib.errors import NoThreshold
-from lsvib.models.complaints import allowed_range
-from lsvib.models.drive import Drive
 from lsvib.stability.motion_equations import Return, Start
 from lsvib.stability.slip import CLOSE, SlipDrive, decay_of_large_motions, slowest_point
 from lsvib.stability.solve import bracketed_root
+from lsvib.systems.exact.arithmetic import many_digits
 
 _NONE = Start("", arb.pos_inf())
 

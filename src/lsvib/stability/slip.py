@@ -24,9 +24,9 @@ from typing import Any
 
 from flint import arb, arb_series
 
+from lsvib.drives import friction, mechanics
+from lsvib.drives.drive import STATIC, Drive, require_direction
 from lsvib.errors import NoThreshold
-from lsvib.models import friction, mechanics
-from lsvib.models.drive import STATIC, Drive, require_direction
 from lsvib.stability.solve import bracketed_root
 
 CLOSE = 1e-25  # relative error of a time before Newton's method, which squares it in every step

@@ -16,12 +16,12 @@ from typing import Any
 import numpy as np
 from flint import arb, arb_mat, arb_poly, arb_series, fmpq
 
-from lsvib.engine.exact.arithmetic import many_digits
+from lsvib.drives.complaints import bounds_of
+from lsvib.drives.drive import PART_OF, PARTS, Drive, zero_if_close
 from lsvib.errors import EngineError, InputError, NoThreshold
-from lsvib.models.complaints import bounds_of
-from lsvib.models.drive import PART_OF, PARTS, Drive, zero_if_close
 from lsvib.numbers import bisected
 from lsvib.stability.spectrum import SAME
+from lsvib.systems.exact.arithmetic import many_digits
 
 Equations = Callable[[Mapping[str, Any], Sequence[Any]], Sequence[Any]]
 """F as a function of the parameters by name and the inner unknowns, all of them balls or power series."""

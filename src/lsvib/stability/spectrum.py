@@ -1,11 +1,11 @@
 """The characteristic polynomial of steady sliding, its signs and roots, for every drive.
 
-It is det(M s² + C s + K) of the matrices that the chapter prints; :class:`lsvib.models.mechanics.LinearParts` makes it
+It is det(M s² + C s + K) of the matrices that the chapter prints; :class:`lsvib.drives.mechanics.LinearParts` makes it
 from the parts of a drive, times a positive factor, in any one arithmetic: balls or doubles of a drive, arrays of many,
 power series, rational numbers, polynomials in an unknown. Its coefficients are polynomials in every parameter and in t
 = tan λ, and nothing cancels in them but what the physics subtracts. Coulomb friction F_0 and T_0 is constant in steady
 sliding, so it shifts the equilibrium – and may turn the sign of N – but is not in it. The state matrix, for comparison,
-is what Newton's laws of the drive say in slip (:mod:`lsvib.models.mechanism`).
+is what Newton's laws of the drive say in slip (:mod:`lsvib.drives.mechanism`).
 
 A double is a rational number and t is transcendental for every double λ > 0 (Lindemann), so a polynomial in t with
 rational coefficients vanishes only if it vanishes for every t. A sign is therefore certain if it is the same at both
@@ -23,11 +23,11 @@ import numpy as np
 from flint import acb, arb, ctx, fmpq, fmpq_poly
 from numpy.typing import ArrayLike, NDArray
 
-from lsvib.engine.exact.arithmetic import many_digits
+from lsvib.drives import friction
+from lsvib.drives.drive import PARTS, Drive, ExactParameters, require_direction
+from lsvib.drives.mechanics import LinearParts, net_force
 from lsvib.errors import InputError
-from lsvib.models import friction
-from lsvib.models.drive import PARTS, Drive, ExactParameters, require_direction
-from lsvib.models.mechanics import LinearParts, net_force
+from lsvib.systems.exact.arithmetic import many_digits
 
 LEAST = fmpq(1, 2**400)  # beyond all quotients of parameters
 SAME = fmpq(1, 2**88)  # relative: no double lies between two roots that are closer, so they count as one
@@ -89,11 +89,11 @@ def state_matrices(values: Mapping[str, ArrayLike], law: int) -> NDArray[np.floa
     """Return the state matrices (..., n, n) in slip under law s = ±1 with constant friction, by Newton's laws.
 
     ``values``: the keys of drives with the same parts, with arrays that broadcast to (...); others than those of parts
-    are as in Table 8.1 if they are not given. The state is that of motions (:mod:`lsvib.models.mechanism`). An entry of
+    are as in Table 8.1 if they are not given. The state is that of motions (:mod:`lsvib.drives.mechanism`). An entry of
     which doubles do not hold 1e-13 is not a number.
     """
-    from lsvib.models.many import ManyDrives  # of grids alone
-    from lsvib.models.mechanism import Mechanism
+    from lsvib.drives.many import ManyDrives  # of grids alone
+    from lsvib.drives.mechanism import Mechanism
 
     shape = np.broadcast_shapes(*map(np.shape, values.values()))
     given = {key: np.broadcast_to(value, shape).ravel() for key, value in values.items()}
@@ -178,7 +178,7 @@ def _beside(number: arb, digits: int) -> tuple[fmpq, ...]:
 def enclosed(drive: Drive, digits: int = 100) -> tuple[tuple[dict[str, fmpq], fmpq], ...]:
     """Return the parameters as rationals and tan λ, twice: all that is no rational just below and above its value.
 
-    That is tan λ, and ``secant`` and ``decay`` of :func:`lsvib.models.friction.steady_sum` beside the parameters.
+    That is tan λ, and ``secant`` and ``decay`` of :func:`lsvib.drives.friction.steady_sum` beside the parameters.
     """
     values = {key: fmpq(*value.as_integer_ratio()) for key, value in drive}
     with ctx.workdps(digits + 10):

@@ -1,7 +1,7 @@
 """Whether a drive runs evenly once it is switched on, and at which value of a parameter that changes.
 
 The screw stands with the coupling relaxed, and the motor begins to turn. What that motion ends in, the one rule of all
-labels says (:mod:`lsvib.dynamics.attractor`); where it changes along a parameter is closed in on by halves. With rigid
+labels says (:mod:`lsvib.systems.attractor`); where it changes along a parameter is closed in on by halves. With rigid
 threads and constant friction the release does not depend on how long rest was, so while the contact force keeps its
 sign and Γ > 0 the drive jerks for ever exactly if the first slip comes back to θ′ = 0. Slip that only touches it,
 followed backwards in time, is the response of the oscillator with the damping −C: from w′ = 0 it comes back to its w
@@ -23,19 +23,19 @@ from dataclasses import replace
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
-from lsvib.engine.exact.arithmetic import many_digits
+from lsvib.drives.drive import Drive, once
+from lsvib.drives.mechanism import standing_state
+from lsvib.drives.model import automaton_of
 from lsvib.errors import EngineError, InputError, NoThreshold
-from lsvib.models.drive import Drive, once
-from lsvib.models.mechanism import standing_state
-from lsvib.models.model import automaton_of
 from lsvib.results import Threshold, ThresholdSolution
 from lsvib.stability.motion_equations import Start
 from lsvib.stability.slip import Slip, SlipDrive
 from lsvib.stability.solve import Singular, samples
 from lsvib.stability.threshold import newton, result
+from lsvib.systems.exact.arithmetic import many_digits
 
 if TYPE_CHECKING:
-    from lsvib.dynamics.attractor import SteadyState
+    from lsvib.systems.attractor import SteadyState
 
 DECADES, PER_DECADE = 3, 6  # of a search, on both sides of the drive's own value
 _CLOSE = 1e-12  # of a value, to which the search for a threshold closes in
@@ -51,7 +51,7 @@ def runs_evenly(drive: Drive, work: int = 300_000) -> bool | None:
     >>> [runs_evenly(Drive(static_friction_coefficient=0.4, input_speed=speed)) for speed in (1.0, 40.0)]
     [False, True]
     """
-    from lsvib.dynamics.attractor import Attractor, Doubt
+    from lsvib.systems.attractor import Attractor, Doubt
 
     try:
         found = end_from_rest(drive, work)
@@ -63,7 +63,7 @@ def runs_evenly(drive: Drive, work: int = 300_000) -> bool | None:
 
 def end_from_rest(drive: Drive, work: int = 300_000) -> "SteadyState":
     """Return what the motion from rest ends in; raises ``EngineError`` where events accumulate or it grows."""
-    from lsvib.dynamics.attractor import steady_state  # the engine, which other thresholds do without
+    from lsvib.systems.attractor import steady_state  # the engine, which other thresholds do without
 
     return steady_state(automaton_of(drive), standing_state(drive), max_events=work)
 

@@ -15,13 +15,12 @@ from typing import Any
 
 from flint import arb
 
-from lsvib.engine.exact.arithmetic import many_digits
+from lsvib.drives import friction
+from lsvib.drives.complaints import allowed_range
+from lsvib.drives.drive import DRY, Drive, described, require_direction
+from lsvib.drives.model import model_of
+from lsvib.drives.thresholds import TABLE
 from lsvib.errors import EngineError, InputError, NoThreshold
-from lsvib.models import friction
-from lsvib.models.complaints import allowed_range
-from lsvib.models.drive import DRY, Drive, described, require_direction
-from lsvib.models.model import model_of
-from lsvib.models.thresholds import TABLE
 from lsvib.numbers import shown
 from lsvib.results import Derivative, Threshold, ThresholdSolution
 from lsvib.stability import boundaries
@@ -29,6 +28,7 @@ from lsvib.stability.boundaries import FRICTIONLESS, Place, StableSet, places, s
 from lsvib.stability.force_thresholds import STARTS
 from lsvib.stability.motion_equations import Start, equations
 from lsvib.stability.solve import DECADES, Root, Singular, outwards, samples, sign_changes, solved
+from lsvib.systems.exact.arithmetic import many_digits
 
 Solver = Callable[[Drive, str], Threshold]
 """What solves ``even_speed`` for a parameter: it needs the engine (:mod:`lsvib.stability.starting`)."""
@@ -56,7 +56,7 @@ def solve_threshold(drive: Drive, name: str, unknown: str | None = None, even: S
     """Solve a threshold of a drive, ``even_speed`` with its solver, for one of its parameters, all others held.
 
     Arguments: drive of any model; name of one of the thresholds of that model; name of the parameter, by default the
-    usual one (:mod:`lsvib.models.thresholds`). The drive's own value of that parameter counts only as the middle of a
+    usual one (:mod:`lsvib.drives.thresholds`). The drive's own value of that parameter counts only as the middle of a
     search. Raises ``InputError`` for other names, ``NoThreshold`` where there is no solution in the allowed range.
     """
     known = model_of(drive).thresholds

@@ -1,1 +1,1 @@
-"""Compiled kernels of attractors."""
+"""Compiled kernels of sweeps."""

@@ -1,4 +1,4 @@
-"""Where motions of many drives with the same parts end, by the rule of :mod:`lsvib.dynamics.kernels.attractor`."""
+"""Where motions of many drives with the same parts end, by the rule of :mod:`lsvib.systems.kernels.attractor`."""
 
 import math
 from typing import NamedTuple
@@ -6,12 +6,12 @@ from typing import NamedTuple
 import numpy as np
 from numba import types
 
-from lsvib.dynamics.kernels.attractor import Asked, Found, Records, end_of
-from lsvib.dynamics.kernels.machine import Machine, extremes_at
-from lsvib.dynamics.kernels.single_mode import Outcome
-from lsvib.engine.kernels import event_loop
-from lsvib.engine.kernels.jit import by_address, entry, kernel, on_stack
-from lsvib.engine.kernels.layout import Tables
+from lsvib.systems.kernels import event_loop
+from lsvib.systems.kernels.attractor import Asked, Found, Records, end_of
+from lsvib.systems.kernels.jit import by_address, entry, kernel, on_stack
+from lsvib.systems.kernels.layout import Tables
+from lsvib.systems.kernels.machine import Machine, extremes_at
+from lsvib.systems.kernels.single_mode import Outcome
 
 NUMBERS = np.dtype([(name, np.float64) for name in ("amplitude", "period", "peak_normal_force", "peak_normal_impulse")])
 end_of_at = by_address(end_of, types.int64)

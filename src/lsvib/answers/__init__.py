@@ -1,0 +1,1 @@
+"""Each kind of answer as dataset, as JSON and in words."""

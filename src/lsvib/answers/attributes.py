@@ -1,0 +1,224 @@
+"""Variables of datasets with their attributes, and the parameters of drives as such, with where their values come from.
+
+Functions return variables ``(dimensions, values, attributes)`` as ``xarray.Dataset`` takes them, or several by name.
+What the ``origin`` of a parameter says, so that whoever opens a file can repeat it, is in ``docs/design.md``.
+"""
+
+import json
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from enum import IntEnum
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from lsvib import __version__
+from lsvib.drives import chapter
+from lsvib.drives.drive import Drive
+from lsvib.drives.model import QUANTITIES
+
+Dims = str | tuple[str, ...]
+Variable = tuple[Dims, Any, dict[str, Any]]  # as xarray.Dataset takes one
+Variables = dict[str, Variable]
+Words = Iterable[IntEnum] | Mapping[int, str] | Sequence[str]
+CONVENTIONS = "CF-1.11"
+
+
+def answer(found: Variables, coordinates: Variables, about: Mapping[str, Any]) -> xr.Dataset:
+    """Return what was found as a dataset that says what made it and is CF, which has no fill values on coordinates."""
+    made = {"Conventions": CONVENTIONS, "history": f"made by lsvib {__version__}", "lsvib_version": __version__}
+    return xr.Dataset(found, {n: (*own, {"_FillValue": None}) for n, own in coordinates.items()}, {**about, **made})
+
+
+def about_drive(drive: Drive, parameters: Iterable[tuple[str, Any]]) -> dict[str, str]:
+    """Return the attributes of a file that name the parts of a drive, and some of its parameters as JSON."""
+    return {"parts": " ".join(drive.parts) or "none", "parameters": json.dumps(dict(parameters))}
+
+
+def flags(words: Words, none: bool = False) -> dict[str, Any]:
+    """Return the CF attributes of numbers that words name, ``flag_values`` and ``flag_meanings``.
+
+    ``words``: members of an ``IntEnum``, or words by their number, or words in the order of numbers from zero;
+    ``none``: −1 for none of them.
+    """
+    known: Mapping[int, Any] = words if isinstance(words, Mapping) else dict(enumerate(words))
+    pairs = [(int(w), w.name.lower()) if isinstance(w, IntEnum) else (k, w) for k, w in known.items()]
+    named = dict(pairs) | ({-1: "none"} if none else {})
+    return {"flag_values": np.array(list(named), dtype=np.int8), "flag_meanings": " ".join(named.values())}
+
+
+def quantity(name: str, when: str = "") -> dict[str, str]:
+    """Return ``long_name``, ``units`` and ``symbol`` of a quantity of a drive, before or after an event if so said."""
+    long_name, units, symbol = QUANTITIES[name]
+    return {"long_name": f"{long_name}, {when} the event" if when else long_name, "units": units, "symbol": symbol}
+
+
+def attributes(units: str, long_name: str, symbol: str = "", **more: Any) -> dict[str, Any]:
+    """Return the attributes of a variable; an empty symbol is left out."""
+    return {"units": units, "long_name": long_name, **({"symbol": symbol} if symbol else {}), **more}
+
+
+def variable(dims: Dims, values: Any, units: str, long_name: str, symbol: str = "", **more: Any) -> Variable:
+    """Return a variable: its dimensions, values of any shape that these have, and :func:`attributes`."""
+    return dims, values, attributes(units, long_name, symbol, **more)
+
+
+def flagged(dims: Dims, values: Any, long_name: str, words: Words, **more: Any) -> Variable:
+    """Return a variable of numbers that words name, as int8 with :func:`flags`."""
+    return dims, np.asarray(values, dtype=np.int8), attributes("1", long_name, **flags(words), **more)
+
+
+def flag_names(variable: xr.DataArray) -> dict[int, str]:
+    """Return the words of a flag variable by value, with spaces: ``{0: "stable node", …}``."""
+    words = [word.replace("_", " ") for word in variable.attrs["flag_meanings"].split()]
+    # A single flag comes back from a file as a scalar.
+    return dict(zip((int(value) for value in np.atleast_1d(variable.attrs["flag_values"])), words, strict=True))
+
+
+def named(variable: xr.DataArray, *words: str) -> np.ndarray:
+    """Return where a flag variable has one of the meanings ``words``, such as ``"stable node"``."""
+    values = {name: value for value, name in flag_names(variable).items()}
+    return np.isin(variable.values, [values[word] for word in words])
+
+
+def counted(flags: xr.DataArray) -> dict[str, int]:
+    """Return how many values of a flag variable have each of its words, for the words that occur."""
+    meanings = zip(flags.attrs["flag_meanings"].split(), flags.attrs["flag_values"], strict=True)
+    counts = ((word, int(np.count_nonzero(flags.values == value))) for word, value in meanings)
+    return {word: count for word, count in counts if count}
+
+
+def fractions(dim: str, long_name: str, kinds: type[IntEnum], labels: np.ndarray) -> Variables:
+    """Return the fraction of the cells of each kind, from their labels, along the coordinate ``dim`` of the kinds."""
+    share = np.array([np.count_nonzero(labels == kind) for kind in kinds]) / labels.size
+    return {
+        dim: flagged(dim, list(kinds), long_name, kinds),
+        "fraction": variable(dim, share, "1", "fraction of the cells"),
+    }
+
+
+def yes_no(dims: Dims, values: Any, long_name: str) -> Variable:
+    """Return a variable that is 1 where a statement is true, else 0, as int8 with flags."""
+    return flagged(dims, values, long_name, ("no", "yes"))
+
+
+def named_index(dim: str, long_name: str, words: Sequence[str], **more: Any) -> Variable:
+    """Return the coordinate along ``dim`` of things that have names: their index, whose flags are the names."""
+    return flagged(dim, range(len(words)), long_name, words, **more)
+
+
+CRITICAL_MASS = attributes("kg", "critical mass of the rigid drive (8.20)", r"$m_\mathrm{cr}$")
+# Of events: the impulses of seizures, zero in other events, and a sign.
+IMPULSES = {
+    "normal_impulse": attributes("N s", "normal impulse of the threads of the event"),
+    "axial_impulse": attributes("N s", "impulse of the threads along the axis of the event"),
+    "torque_impulse": attributes("N m s", "impulse of the threads about the axis of the event"),
+}
+WITHOUT_IMPULSES = "without the impulses of seizures, which are in event_normal_impulse"
+SIGNS = attributes(
+    "1",
+    "sign of the impulse of a seizure, or of the normal force after a contact reversal",
+    **flags({-1: "negative", 0: "none", 1: "positive"}),
+)
+
+ASSUMED = "assumed: not stated in the text"
+GIVEN = "given: by whoever asked for this file"
+VARIED = "varied: an axis of this file"
+NO_EFFECT = "of no effect: the results of this file do not depend on it"
+# In front of the name of a parameter that a file needs twice: along what it varies, or of what it is.
+QUALIFIERS = ("swept", "grid", "curve", "growth", "boundary", "reading", "case", "drawn")
+
+
+def _fields(kind: type[Drive] = Drive) -> dict[str, Any]:
+    """What the classes of drives that are loaded say of their parameters, by name."""
+    fields = {name: field.json_schema_extra for name, field in kind.model_fields.items()}
+    for more in kind.__subclasses__():
+        fields = _fields(more) | fields
+    return fields
+
+
+FIELDS = _fields()
+_GREEK = re.compile(r"\b(Omega|lambda|mu|Delta|delta)(?![a-z])")
+
+
+def parameter(name: str, origin: str, **more: Any) -> dict[str, Any]:
+    """Return the attributes of a parameter, whose name may bear one of :data:`QUALIFIERS`, with its ``origin``."""
+    qualifier, _, rest = name.partition("_")
+    fields = FIELDS if name in FIELDS or rest in FIELDS else _fields()  # of a model that was loaded since
+    known = fields[rest if name not in fields and qualifier in QUALIFIERS else name]
+    symbol = _GREEK.sub(r"\\\1", known["symbol"])
+    return attributes(known["unit"], known["long_name"], f"${symbol}$", origin=origin, **more)
+
+
+def given(values: Iterable[tuple[str, Any]]) -> Variables:
+    """Return names and values of a drive's parameters as variables; all but the defaults were given."""
+    default, places = {name: field.default or 0.0 for name, field in Drive.model_fields.items()}, tuple(chapter.STATED)
+    origins = ((n, x, GIVEN if x != default.get(n, 0.0) else origin_of(n, x, places)) for n, x in values)
+    return {name: ((), value, parameter(name, origin)) for name, value, origin in origins}
+
+
+def axis(name: str, values: Any, dims: str | tuple[str, ...] = "", origin: str = VARIED) -> Variables:
+    """Return a parameter as the axis of a file (its dimension has its name), or along the dimensions ``dims``."""
+    return {name: (dims or name, np.asarray(values, dtype=float), parameter(name, origin))}
+
+
+def varied(**values: Any) -> Variables:
+    """Return parameters that a file varies, by name, each as an axis of its own."""
+    return {name: own for key, along in values.items() for name, own in axis(key, along).items()}
+
+
+def drive_parameters(
+    drives: Drive | Sequence[Drive],
+    dim: str = "case",
+    *,
+    along: Sequence[str] = (),
+    printed: Sequence[str] = (),
+    assumed: Sequence[str] = (),
+    no_effect: Sequence[str] = (),
+    axes: Sequence[str] = (),
+) -> Variables:
+    """Return every parameter of some drives of one class as variables, of several drives with their coordinate ``dim``.
+
+    That is an index whose ``flag_meanings`` name what makes each of them. Arguments: a drive, or several along ``dim``;
+    parameters that differ by design and therefore lie ``along`` it even where they agree; places of the chapter whose
+    values the drives may have, keys of :data:`chapter.STATED`; parameters that are ``assumed`` although Table 8.1
+    states their value, for other drives; parameters that have ``no_effect``; those which are ``axes`` of the file and
+    therefore are left out here.
+    """
+    row, result = [drives] if isinstance(drives, Drive) else list(drives), Variables()
+    if not isinstance(drives, Drive):
+        words = ["_".join(f"{name}_{getattr(drive, name)!r}" for name in along) or "drive" for drive in row]
+        result[dim] = named_index(dim, f"index of the {dim}", words)
+    own = {name for drive in row for name, _ in drive}
+    for name in Drive.model_fields:
+        if name in axes or name not in own:
+            continue
+        values = np.array([getattr(drive, name) for drive in row])
+        origin = NO_EFFECT if name in no_effect else ASSUMED if name in assumed else origin_of(name, values, printed)
+        shared = name not in along and (values == values[0]).all()
+        result[name] = ((), values[0], parameter(name, origin)) if shared else (dim, values, parameter(name, origin))
+    return result
+
+
+def origin_of(name: str, values: Any, printed: Sequence[str] = ()) -> str:
+    """Return where the values of a parameter come from, of Table 8.1 and the ``printed`` places: the first of each."""
+    stated: Mapping[str, Mapping[str, tuple[float, ...]]] = chapter.STATED
+    kinds = np.unique(values).tolist()
+    places = ("Table 8.1", *printed)
+    first = {x: next((place for place in places if x in stated[place].get(name, ())), "") for x in kinds}
+    known = {x: place for x, place in first.items() if place}
+    if len(known) == len(kinds):
+        return f"printed: {', '.join(dict.fromkeys(known.values()))}"
+    if not known:
+        return ASSUMED
+    return f"{ASSUMED}, except {', '.join(f'{value:g} (printed: {place})' for value, place in known.items())}"
+
+
+def start_state(start: Mapping[str, float], words: str) -> Variables:
+    """Return the state that motions start from, u [rad] and w [rad/s]; ``words`` say which motions."""
+    u, w, rate = float(start["u"]), float(start["w"]), "rate of the deviation at the start"
+    return {
+        "initial_angle_deviation": variable((), u, "rad", "deviation at the start", "$u$", comment=words),
+        "initial_velocity_deviation": variable((), w, "rad s-1", rate, r"$\dot u$", comment=words),
+    }

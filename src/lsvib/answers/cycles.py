@@ -1,0 +1,227 @@
+"""All cycles of a drive, with what is proved about them, and how a cycle changes over a parameter."""
+
+import json
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Any, cast
+
+import numpy as np
+import xarray as xr
+
+from lsvib import numbers, words
+from lsvib.answers.attributes import about_drive, answer, axis, flagged, given, variable, yes_no
+from lsvib.answers.sweep import known_key
+from lsvib.drives import friction
+from lsvib.drives.drive import IN_WORDS, PART_OF, Drive, zero_if_close
+from lsvib.drives.model import model_of
+from lsvib.dynamics.boundary import Boundary, known_basin
+from lsvib.dynamics.cycles import Cycle, random_starts, starts
+from lsvib.errors import EngineError, InputError
+from lsvib.systems.attractor import Attractor, SteadyState, shrinks_areas
+from lsvib.systems.automaton import Automaton
+from lsvib.systems.continuation import CycleBranch, follow_cycle
+from lsvib.systems.curves import Arc, state_on
+from lsvib.systems.cycles import cycle_from, search
+from lsvib.systems.motion import enter
+
+
+@dataclass(frozen=True)
+class Cycles:
+    """The ``cycles`` of a drive, attracting ones first, and ``families`` of neutral oscillations, one of each.
+
+    ``proved`` is a sentence on what is certain beyond the cycles themselves, empty if nothing is; ``searched`` one on
+    where cycles were looked for, empty where none can be; ``unresolved`` the number of starts whose ends are not known.
+    """
+
+    cycles: tuple[Cycle, ...]
+    families: tuple[SteadyState, ...]
+    proved: str
+    searched: str = ""
+    unresolved: int = 0
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the cycles, the families, what is proved and what was searched, as plain numbers and names.
+
+        The period of a family is None where its oscillations have several frequencies, and so none.
+        """
+        return {
+            "cycles": [cycle.to_json() for cycle in self.cycles],
+            "neutral_families": [
+                {"period": family.period if family.orbit else None, "state": family.state.tolist()}
+                for family in self.families
+            ],
+            "proved": self.proved,
+            "searched": self.searched,
+            "unresolved_starts": self.unresolved,
+        }
+
+    def text(self) -> Iterator[str]:
+        """Say them in lines."""
+        yield from filter(None, (self.proved, self.searched))
+        if not self.cycles:
+            yield f"no cycle found{' from the starts that are resolved' if self.unresolved else ''}"
+        for cycle in map(Cycle.to_json, self.cycles):
+            yield f"{words.plain(cycle['label'])}, {cycle['stability']} (found by: {cycle['found_by']})"
+            error, work = cycle["multiplier_error"], cycle["work"]
+            multipliers = ", ".join(map(_multiplier, cycle["multipliers"]))
+            motor, load, *losses = (f"{key} {work[key]:.6g} J" for key in _WORKS)
+            rows = [
+                ("period", f"{cycle['period']:.12g} s"),
+                ("amplitude", f"{cycle['amplitude']:.12g} rad"),
+                ("multipliers", multipliers if error is None else f"{multipliers} (± {error:.1g})"),
+                ("residual", f"{cycle['residual']:.1g}"),
+                ("work per cycle", f"done by {motor}, {load}"),
+                ("", f"dissipated by {', '.join(losses)}"),
+            ]
+            yield words.table([("", *row) for row in rows])
+        for family in self.families:
+            period = f"one of them with period {family.period:.9g} s" if family.orbit else "of several frequencies"
+            yield f"neutral oscillations side by side, {period}"
+
+
+_WORKS = ("motor", "load", "friction", "damping", "impacts")
+
+
+def _multiplier(value: float | list[float] | None) -> str:
+    if value is None:
+        return "none"
+    return f"{value:.9g}" if isinstance(value, float) else f"{value[0]:.9g} {value[1]:+.9g}i"
+
+
+def find_cycles(drive: Drive, automaton: Automaton) -> Cycles:
+    """Return all cycles of a drive that are found; ``automaton`` is the drive's, with its rule of resuming.
+
+    From starts, on the edges of basins, and at the boundary of the basin of steady sliding where that is known.
+    """
+    if shrinks_areas(automaton):
+        return Cycles((), (), "There is no cycle: slip makes every area of the phase plane smaller.")
+    proved, known = "", None
+    if (basin := known_basin(drive)) is not None:
+        if basin.boundary == Boundary.NONE:
+            far = " up to 10⁵ times the input speed" if friction.depends_on_speed(drive) else ""
+            return Cycles((), (), f"There is no cycle{far}: steady sliding is globally stable{far}.")
+        kind = basin.boundary.name.lower().replace("_", " ")
+        proved = f"Not every motion settles; the boundary of the basin of steady sliding is known (its kind: {kind})."
+        if basin.boundary == Boundary.CYCLE:
+            arcs = [piece for piece in basin.curves[0] if isinstance(piece, Arc)]
+            mode, start = enter(automaton, state_on(basin.flow, arcs[0], 0.5 * arcs[0].duration))
+            known = cycle_from(automaton, start, mode, len(arcs), "boundary of the basin")
+    model = model_of(drive)
+    given = [{"u": u, "w": w} for u, w in starts(drive)]
+    if "motor" in drive.parts:  # the starts leave the motor at steady sliding; here all stands
+        given.append(model.from_rest(drive))
+    states = [model.initial_state(drive, start) for start in given] + random_starts(drive)
+    found = search(automaton, states, known)
+    if not found.cycles and len(found.unresolved) == len(states):
+        why = "; ".join(sorted(set(found.unresolved)))
+        # A contact may be so stiff that motions take too much work.
+        softer = ", or make contact_stiffness and contact_damping smaller" if "threads" in drive.parts else ""
+        raise EngineError(
+            f"the motions from all {len(states)} starts are unresolved ({why}), so nothing is known of the cycles of "
+            f"this drive; follow one with lsvib simulate{softer}."
+        )
+    searched = f"Searched: {found.searched}; there may be other cycles."
+    cycles = tuple(Cycle.of(drive, cycle) for cycle in found.cycles)
+    return Cycles(cycles, found.families, proved, searched, len(found.unresolved))
+
+
+def followed(
+    drive: Drive,
+    cycle: Cycle,
+    parameter: str,
+    span: Any,
+    points: Any,
+    build: Callable[[Any], Automaton],
+    progress: numbers.Progress | None = None,
+) -> CycleBranch:
+    """Follow a cycle of a drive over a parameter; arguments as of ``follow`` of a drive, ``build`` its automaton.
+
+    Raises ``InputError`` for a cycle of another drive, a parameter that is not known, or a span without the drive.
+    """
+    if not isinstance(cycle, Cycle):
+        raise InputError("what is followed is one cycle, such as drive.cycles().cycles[0].")
+    if cycle.drive != drive:
+        raise InputError("the cycle belongs to another drive; take one of this drive's cycles().")
+    known_key(parameter)
+    if getattr(drive, parameter) is None:
+        raise InputError(
+            f"{parameter} is a parameter of {IN_WORDS[PART_OF[parameter]]}, which this drive does not have."
+        )
+    try:
+        low, high = (numbers.number(value) for value in span)
+    except (numbers.NotNumber, TypeError, ValueError):
+        raise InputError(f"span = {numbers.shown(span)} is not two numbers.") from None
+    here = float(getattr(drive, parameter))
+    if not low < high or not low <= here <= high:
+        raise InputError(
+            f"span = {low:g} to {high:g} is outside the allowed range: it holds the drive's own {parameter} = {here:g}."
+        )
+    most = numbers.whole_between("points", points, 2, 100_000)  # each way; more cycles would fill the memory
+    for end in (low, high):
+        drive.replace(**{parameter: end})
+
+    def at(value: float) -> Drive:
+        return drive.replace(**{parameter: zero_if_close(parameter, value)})
+
+    made = lru_cache(8)(lambda value: build(at(value)))
+    branch = follow_cycle(cycle, made, parameter, here, (low, high), most, progress)
+    points = (replace(point, cycle=Cycle.of(at(point.value), point.cycle)) for point in branch.points)
+    return replace(branch, points=tuple(points))
+
+
+def branch_dataset(branch: CycleBranch) -> xr.Dataset:
+    """Return a branch of cycles as a dataset along ``point``; its changes are an attribute."""
+    points, cycles = branch.points, [point.cycle for point in branch.points]
+    drive = cast(Cycle, cycles[0]).drive
+    fixed = [(key, value) for key, value in drive if key != branch.parameter]
+    multipliers = np.array([cycle.multipliers for cycle in cycles]).reshape(len(cycles), -1)
+    columns: dict[str, tuple[Any, ...]] = {  # values, unit, words, symbol
+        "along": ([point.along for point in points], "1", "length of the branch from its start"),
+        "period": ([cycle.period for cycle in cycles], "s", "period of the cycle", "$T$"),
+        "amplitude": ([cycle.amplitude for cycle in cycles], "rad", "amplitude, half its peak-to-peak"),
+        "multiplier_error": ([cycle.multiplier_error for cycle in cycles], "1", "bound of the multipliers' errors"),
+        "period_residual": ([cycle.residual for cycle in cycles], "1", "change of the state over a period"),
+    }
+    data = axis(branch.parameter, [point.value for point in points], "point")
+    data |= {name: variable("point", np.array(own), *more) for name, (own, *more) in columns.items()}
+    data["attractor"] = flagged("point", [cycle.label for cycle in cycles], "kind of cycle", Attractor)
+    data["attracting"] = yes_no("point", [cycle.attracting for cycle in cycles], "whether the cycle attracts")
+    for part, word in (("real", "real"), ("imag", "imaginary")):
+        dims, about_part = ("point", "multiplier_number"), f"{word} part of the Floquet multipliers"
+        data[f"multiplier_{word}_part"] = variable(dims, getattr(multipliers, part), "1", about_part)
+    about = {
+        "title": f"A cycle of the lead-screw drive over {branch.parameter}",
+        "source": "lsvib, Newton's method on the exact return map, pseudo-arclength continuation",
+        "references": "doi:10.1007/978-1-4419-1752-2_8",
+        "changes": json.dumps(branch_json(branch)["changes"]),
+    }
+    return answer(data | given(fixed), {}, about_drive(drive, fixed) | about)
+
+
+def branch_json(branch: CycleBranch) -> dict[str, Any]:
+    """Return a branch as plain numbers and names."""
+    return {
+        "parameter": branch.parameter,
+        "points": [
+            {
+                "value": point.value,
+                "label": point.cycle.label.name.lower(),
+                "attracting": point.cycle.attracting,
+                "period": point.cycle.period,
+                "amplitude": point.cycle.amplitude,
+                "multipliers": point.cycle.to_json_multipliers(),
+                "residual": point.cycle.residual,
+            }
+            for point in branch.points
+        ],
+        "changes": [{"kind": c.kind, "value": c.value, "what": c.what} for c in branch.changes],
+    }
+
+
+def branch_text(branch: CycleBranch) -> Iterator[str]:
+    """Say a branch in lines."""
+    name, values = branch.parameter, [point.value for point in branch.points]
+    yield f"{len(values)} cycles, {name} from {min(values):.9g} to {max(values):.9g}"
+    for change in branch.changes:
+        yield f"{change.kind} at {name} = {change.value:.12g}: {change.what}"

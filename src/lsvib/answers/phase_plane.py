@@ -1,0 +1,227 @@
+"""Phase planes as pieces of a dataset: sampled motions with their events, limit cycles, the lines N = 0 and θ′ = 0.
+
+Functions return variables ``{name: (dimensions, values, attributes)}`` for ``xarray.Dataset``. A phase plane is one
+``case`` (a drive) with several ``start`` states. Attractors are found under each ``rule`` of resuming after a seizure;
+motions are sampled under the first.
+"""
+
+from collections.abc import Mapping, Sequence
+from enum import IntEnum
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray as xr
+
+from lsvib.answers import attributes as cf
+from lsvib.drives.drive import Drive
+from lsvib.drives.mechanics import coefficients
+from lsvib.drives.model import automaton_of
+from lsvib.drives.names import CLOCK, RULES, Event, MotionMode, Resume
+from lsvib.errors import InputError
+from lsvib.systems.exact.arithmetic import many_digits
+
+if TYPE_CHECKING:
+    from lsvib.dynamics.impulses import Impulses
+    from lsvib.systems.attractor import SteadyState
+    from lsvib.systems.motion import Motion
+else:  # names for annotations: this module loads no engine before a motion is asked for
+    Impulses = Motion = SteadyState = Any
+
+ATTRACTOR = "attractor that the motion reaches"
+PERIOD = "period of the steady vibration"
+AMPLITUDE = "amplitude of the steady vibration, half its peak-to-peak"
+GLOBAL_STABILITY = "axial force beyond which steady sliding is globally stable"
+_WHICH_CYCLE = "one period of what the first start reaches by the first rule, missing if that is no cycle"
+
+
+def _pair(
+    names: str, dims: Sequence[cf.Dims], values: Sequence[Any], angle: str, rate: str, **more: str
+) -> cf.Variables:
+    """Values of u [rad] and of u′ [rad/s] as two variables, ``names`` with a place for "angle" and "velocity"."""
+    return {
+        names.format("angle"): cf.variable(dims[0], values[0], "rad", angle, "$u$", **more),
+        names.format("velocity"): cf.variable(dims[1], values[1], "rad s-1", rate, r"$\dot u$", **more),
+    }
+
+
+def grid_axes(angle: np.ndarray, velocity: np.ndarray) -> cf.Variables:
+    """Return the axes of a grid of states: u [rad] and u′ [rad/s]."""
+    names, words = "grid_{}_deviation", ("deviation, of the grid", "rate of the deviation, of the grid")
+    return _pair(names, [names.format("angle"), names.format("velocity")], [angle, velocity], *words)
+
+
+def curve(name: str, dims: cf.Dims, points: np.ndarray, where: str, **more: str) -> cf.Variables:
+    """Return points of the phase plane (..., 2), u [rad] and u′ [rad/s], as two variables; ``where`` they lie."""
+    words = f"deviation {where}", f"rate of the deviation {where}"
+    return _pair(f"{name}_{{}}", [dims, dims], [points[..., 0], points[..., 1]], *words, **more)
+
+
+def orbits(motions: Sequence[Motion]) -> cf.Variables:
+    """Return limit cycles, a period of each, over ``cycle`` and ``sample``."""
+    # So many points that no picture shows corners, and two at least for each arc.
+    count = max([400, *(2 * (motion.time.size + 1) for motion in motions)])
+    points = np.array([sample(motion, count)[1][:, :2] for motion in motions])
+    return curve("cycle", ("cycle", "sample"), points, "on the limit cycle")
+
+
+def rule_coordinate() -> cf.Variables:
+    """Return the coordinate of the rules by which a motion resumes after a seizure."""
+    return {"rule": cf.named_index("rule", "rule of resuming after a seizure", RULES)}
+
+
+def reached(drive: Drive, start: Mapping[str, float], resume: Resume = RULES[0]) -> SteadyState:
+    """Return what the motion with rigid threads from u [rad] and w [rad/s] ends in, by a rule of resuming."""
+    from lsvib.systems.attractor import steady_state
+
+    rigid = drive.replace(contact_stiffness=None, contact_damping=None)
+    return steady_state(automaton_of(rigid, resume), [start["u"], start["w"]])
+
+
+def followed(drive: Drive, start: Any, duration: float, resume: Resume = RULES[0]) -> Motion:
+    """Return the motion of the rigid drive from u [rad] and u′ [rad/s] over a ``duration`` [s]."""
+    from lsvib.systems.motion import follow
+
+    return follow(automaton_of(drive, resume=resume), start, duration)
+
+
+def attractors(dims: cf.Dims, labels: Any, words: str = ATTRACTOR, **more: Any) -> cf.Variable:
+    """Return labels of attractors as a variable, int8 with flags."""
+    from lsvib.systems.attractor import Attractor
+
+    return cf.flagged(dims, labels, words, Attractor, **more)
+
+
+def portraits(
+    settings: Mapping[str, Any], drives: Sequence[Drive], varied: tuple[str, ...] = (), printed: tuple[str, ...] = ()
+) -> xr.Dataset:
+    """Compute a phase plane for each drive, a case.
+
+    ``settings``: ``starts``, each with u [rad] and w = u′ [rad/s]; ``duration`` [s] and number of ``samples`` of a
+    motion. ``varied``: parameters in which the drives differ; ``printed``: places of the chapter beyond Table 8.1 that
+    state parameters. Returns the :func:`lines`, the sampled motions (case, start, sample) with their events (case,
+    start, event), what they settle on (case, rule, start), and the limit cycle of the first one (case, sample). Raises
+    ``InputError`` if the samples are too few for the events.
+    """
+    from lsvib.dynamics.impulses import event_impulses
+
+    starts, duration, samples = (settings[name] for name in ("starts", "duration", "samples"))
+    steady = [[[reached(drive, start, rule) for start in starts] for rule in RULES] for drive in drives]
+    motions = [[followed(drive, [start["u"], start["w"]], duration) for start in starts] for drive in drives]
+    impulses = [[event_impulses(drive, motion) for motion in row] for drive, row in zip(drives, motions, strict=True)]
+    return xr.Dataset(
+        lines(drives) | _motions(motions, samples) | _events(motions, impulses) | _attractors(steady, samples),
+        coords={**cf.drive_parameters(drives, along=varied, printed=printed), **rule_coordinate()},
+    ).set_coords("time")
+
+
+def lines(drives: Sequence[Drive]) -> cf.Variables:
+    """Return, along ``case``, the line N = 0 as u = angle + slope · u′ (Q = 0, eq. 8.17), θ′ = 0 as u′ = −Ω, and Γ₊."""
+    exact = [coefficients(drive) for drive in drives]
+    with many_digits():
+        angle, slope = ([float(-c.q_row[k] / c.q_row[0]) for c in exact] for k in (2, 1))
+    stop, inertia = [-drive.input_speed for drive in drives], [float(c.gamma[1]) for c in exact]
+    of_angle = "deviation at which the contact force vanishes, at zero rate"
+    of_stop = "rate of the deviation at which the screw stands still"
+    return {
+        "contact_line_angle": cf.variable("case", angle, "rad", of_angle, "$u$"),
+        "contact_line_slope": cf.variable("case", slope, "s", "slope du/du' of the line of zero contact force"),
+        "stop_velocity": cf.variable("case", stop, "rad s-1", of_stop, r"$-\Omega$"),
+        "effective_inertia_plus": cf.variable("case", inertia, "kg m2", "effective inertia of law +", r"$\Gamma_+$"),
+    }
+
+
+def _motions(motions: Sequence[Sequence[Motion]], samples: int) -> cf.Variables:
+    """Return sampled motions, dimensions (case, start, sample)."""
+    sampled, dims = [[(m, *sample(m, samples)) for m in row] for row in motions], ("case", "start", "sample")
+    time, states = (np.array([[each[k] for each in row] for row in sampled]) for k in (1, 2))
+    modes = np.array([[motion.automaton.codes[places] for motion, *_, places in row] for row in sampled])
+    variables = {
+        "time": cf.variable(dims, time, "s", "time", "$t$"),
+        "angle_deviation": (dims, states[..., 0], cf.quantity("angle_deviation")),
+        "velocity_deviation": (dims, states[..., 1], cf.quantity("velocity_deviation")),
+        "mode": cf.flagged(dims, modes, "mode of motion", MotionMode),
+    }
+    for name in ("normal_force", "coupling_deflection"):
+        observed = [[motion.automaton.observe(name, *of) for motion, _, *of in row] for row in sampled]
+        variables[name] = (dims, np.array(observed), cf.quantity(name))
+    variables["normal_force"][2]["comment"] = cf.WITHOUT_IMPULSES
+    return variables
+
+
+def events(
+    motion: Motion, kinds: type[IntEnum], impulses: Impulses | None
+) -> dict[str, tuple[np.ndarray, dict[str, Any]]]:
+    """Return the events of a motion, of some kinds: values of each event, and attributes, by the name of a variable.
+
+    ``impulses`` of a motion that may seize, from :func:`lsvib.dynamics.impulses.event_impulses`, or None.
+    """
+    found = {
+        "event_time": (motion.time, cf.attributes("s", "time of the event")),
+        "event_kind": (motion.kind, cf.attributes("1", "kind of the event", **cf.flags(kinds))),
+        "event_sign": (motion.sign, cf.SIGNS),
+    }
+    for when, states in (("before", motion.before), ("after", motion.after)):
+        for column, name in enumerate(name for name in motion.automaton.states if name != CLOCK):
+            found[f"event_{name}_{when}"] = (states[:, column], cf.quantity(name, when))
+    for name, known in () if impulses is None else cf.IMPULSES.items():
+        found[f"event_{name}"] = (getattr(impulses, name.removesuffix("_impulse")), known)
+    return found
+
+
+def _events(motions: Sequence[Sequence[Motion]], impulses: Sequence[Sequence[Impulses]]) -> cf.Variables:
+    """The events of motions; rows with fewer events than the longest end in NaN, kind −1 and sign 0."""
+    pairs = (zip(*rows, strict=True) for rows in zip(motions, impulses, strict=True))
+    found = [[events(motion, Event, own) for motion, own in row] for row in pairs]
+    longest, table = max(1, *(motion.time.size for row in motions for motion in row)), cf.Variables()
+    for name, (first, about) in found[0][0].items():
+        empty = {"event_kind": -1, "event_sign": 0}.get(name, np.nan)
+        rows = [[np.append(one[name][0], [empty] * (longest - one[name][0].size)) for one in row] for row in found]
+        table[name] = ("case", "start", "event"), np.array(rows, dtype=first.dtype), about
+    table["event_kind"][2].update(cf.flags(Event, none=True))
+    return table
+
+
+def _attractors(steady: Sequence[Sequence[Sequence[SteadyState]]], samples: int) -> cf.Variables:
+    """Return what motions settle on, (case, rule, start), and the limit cycle of the first one, (case, sample).
+
+    Period and cycle are left out where no motion has one.
+    """
+    dims = ("case", "rule", "start")
+
+    def table(name: str, dtype: type) -> np.ndarray:
+        return np.array([[[getattr(s, name) for s in row] for row in case] for case in steady], dtype=dtype)
+
+    cycle = np.full((len(steady), samples, 2), np.nan)
+    for points, case in zip(cycle, steady, strict=True):
+        if case[0][0].orbit is not None:
+            points[:] = sample(case[0][0].orbit, samples)[1]
+    found = {
+        "attractor": attractors(dims, table("label", np.int8)),
+        "amplitude": cf.variable(dims, table("amplitude", float), "rad", AMPLITUDE),
+        "period": cf.variable(dims, table("period", float), "s", PERIOD, "$T$"),
+        **curve("cycle", ("case", "sample"), cycle, "on the limit cycle", comment=_WHICH_CYCLE),
+    }
+    return {name: own for name, own in found.items() if not np.isnan(own[1]).all()}
+
+
+def sample(motion: Motion, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Sample a motion at ``count`` times, each event twice: in the state before it and in the one after.
+
+    Returns times [s] (count), states (count, n), indices of modes (count). Samples are shared out by duration, with a
+    few for the shortest arc; ``InputError`` below two for each arc.
+    """
+    modes, starts, ends, durations = motion.arcs()
+    least = min(17, count // durations.size)  # of an arc between two events
+    if least < 2:
+        raise InputError(f"samples = {count} is outside the allowed range samples >= {2 * durations.size}.")
+    share = np.where(durations > 0, least, 2)
+    spare = count - share.sum()
+    total = durations.sum()
+    share += np.floor(spare * (durations / total if total > 0 else 0 * durations)).astype(int)
+    share[np.argmax(durations)] += count - share.sum()
+    bounds = np.concatenate([[motion.start_time], motion.time, [motion.end_time]])
+    times = np.concatenate([np.linspace(a, b, n) for a, b, n in zip(bounds[:-1], bounds[1:], share, strict=True)])
+    states, _ = motion.at(times)
+    last = np.cumsum(share) - 1
+    states[last - share + 1], states[last] = starts, ends
+    return times, states, np.repeat(modes, share)

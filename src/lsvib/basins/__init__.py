@@ -1,1 +1,0 @@
-"""Regions of attraction: maps of many starts, and the exact boundary."""

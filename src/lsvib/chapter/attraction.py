@@ -1,0 +1,39 @@
+"""Map of regions of attraction, whose dataset the rule `attraction` makes in tiles (:mod:`lsvib.answers.map`)."""
+
+from typing import Annotated, Any, Literal
+
+from pydantic import Discriminator, Field, Tag
+
+from lsvib.chapter.settings import Cells, FigureSettings, Unique, refusing
+from lsvib.drives.model import coordinates
+from lsvib.pictures.attraction import draw as draw
+
+CAPTION = """\
+Regions of attraction: the attractor of the motion from every start, and the time until it is reached as shade, with the
+exact boundary. Sect. 8.7 says only that the region of steady sliding can be quite small.
+"""
+
+_Name: Any = Literal[*coordinates()]
+Coordinate = Annotated[
+    Annotated[float, Tag("number")] | Annotated[Cells, Tag("axis")],
+    Discriminator(lambda value: "axis" if isinstance(value, dict) else "number"),
+]
+Quantities = Annotated[
+    list[Literal["label", "time", "seizures", "first_event", "doubt"]],
+    *Unique,
+    refusing(lambda values: "label" not in values, "is not acceptable; it must hold label"),
+    Field(description="What is computed of each cell; all but the label need the motion up to its attractor."),
+]
+
+
+class Settings(FigureSettings):
+    drive: dict[str, float] = Field(description="Changes of the drive of Table 8.1; lsvib checks keys and ranges.")
+    grid: dict[_Name, Coordinate] = Field(
+        min_length=2,
+        description="The two coordinates that the map spans, as cells of equal width (of these two the one that is "
+        "listed first below is horizontal); other coordinates of the state as numbers. All drives have u and w, those "
+        "with compliant threads also e and v, with an axial support screw_shift and shift_rate, with a nut that may "
+        "turn nut_angle and nut_rate.",
+    )
+    quantities: Quantities
+    tiles: int = Field(ge=1, le=100_000, description="Number of tiles; at least one cell in each.")

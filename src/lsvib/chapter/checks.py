@@ -1,0 +1,265 @@
+"""Checks of computed values against the chapter, kept as data: claim, expected, computed, error, tolerance, verdict.
+
+Those of a run are shown as a text by figure, and the printed numbers as a table for a report (``checks.*.j2``).
+"""
+
+import json
+import math
+import os
+import re
+import string
+import textwrap
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any, Literal, Self
+
+import numpy as np
+
+from lsvib.chapter.statements import Statements, counted
+from lsvib.drives import chapter
+from lsvib.drives.chapter import claims
+from lsvib.errors import InputError
+
+NamedChecks = Sequence[tuple[str, "Check"]]  # pairs (figure, check)
+
+
+@dataclass(frozen=True)
+class Check:
+    """One claim of the chapter and what was computed; make it with :meth:`of`.
+
+    ``claim`` is a sentence, ``source`` says where the chapter makes it, ``error`` is the relative error [1],
+    ``tolerance`` the largest relative error allowed [1] and ``tolerance_reason`` why; ``expected`` and ``computed`` are
+    numbers in ``unit``. For a claim that holds or does not, ``expected`` is ``"true"``, ``computed`` says what was
+    found, ``unit``, ``error`` and ``tolerance`` are None. ``id``: that of the claim in ``config/chapter.yaml``, if any.
+    """
+
+    claim: str
+    source: str
+    expected: float | str
+    computed: float | str
+    error: float | None
+    tolerance: float | None
+    tolerance_reason: str
+    unit: str | None
+    passed: bool
+    id: str = ""
+
+    @classmethod
+    def within(
+        cls,
+        claim: str,
+        source: str,
+        expected: float,
+        computed: float,
+        tolerance: float,
+        unit: str,
+        tolerance_reason: str = "printed with ≈",
+        id: str = "",
+    ) -> Self:
+        """Check that |computed − expected| ≤ tolerance · |expected|; a ``computed`` that is not finite never passes.
+
+        Raises ``InputError`` if ``expected`` is zero or not finite, or ``tolerance`` is not positive: a relative error
+        has no meaning there.
+        """
+        expected, computed, tolerance = float(expected), float(computed), float(tolerance)
+        if not math.isfinite(expected) or expected == 0:
+            raise InputError(f"expected = {expected:g} has no relative error; check {claim!r} in words.")
+        if not tolerance > 0:
+            raise InputError(f"tolerance = {tolerance:g} is outside the allowed range 0 < tolerance.")
+        error = abs(computed - expected) / abs(expected)
+        return cls(claim, source, expected, computed, error, tolerance, tolerance_reason, unit, error <= tolerance, id)
+
+    @classmethod
+    def holds(cls, claim: str, source: str, computed: str, truth: bool, id: str = "") -> Self:
+        """Check that a claim holds: ``truth`` decides, ``computed`` says in words or numbers what was found."""
+        return cls(claim, source, "true", computed, None, None, "", None, bool(truth), id)
+
+    @classmethod
+    def that(cls, id: str, truth: Any, **numbers: Any) -> Self:
+        """Check that the claim of this id in ``config/chapter.yaml`` holds, where all its words are; ``truth`` decides.
+
+        ``numbers``: what the words leave open, by the names in braces: a number or text, an array, of which each entry
+        is told, or ``{x.min}`` and the like of an array ``x``.
+        """
+        said = claims()[id]
+        claim, source, found = (_filled(words, numbers) for words in (said.claim, said.source, said.found))
+        return cls.holds(claim, source, found, truth, id)
+
+    @classmethod
+    def of(
+        cls,
+        id: str,
+        computed: Any,
+        *,
+        expected: float | None = None,
+        tolerance: float | None = None,
+        note: str = "",
+        **left_open: Any,
+    ) -> Self:
+        """Check the number that has this id in ``config/chapter.yaml``, where its words, source and tolerance are.
+
+        ``computed``, or of several numbers the worst, is compared with the one that the chapter prints, or else with
+        what is ``expected``, where a ``tolerance`` may depend on what was computed, too. ``left_open``: what words and
+        source leave open, by the name in braces; ``note``: what is special about this check, to follow its claim.
+        """
+        said = claims()[id]
+        claim, source = (_filled(words, left_open) for words in (said.claim, said.source))
+        aim = float(said.value if expected is None else expected)
+        worst = np.ravel(computed)[np.argmax(np.abs(np.ravel(computed) - aim))]  # NaN is worse than any
+        allowed = said.tolerance if tolerance is None else tolerance
+        claim += note and f", {note}"
+        return cls.within(claim, source, aim, worst, allowed, said.unit, said.reason, id)
+
+    @classmethod
+    def everywhere(cls, id: str, where: Any, of: str = "") -> Self:
+        """Check that a claim holds in all cases of a Boolean array, at least one; ``of`` says what they are."""
+        words = f"{int(where.sum())} of {where.size}{of and f' {of}'}"
+        return cls.holds(claims()[id].claim, claims()[id].source, words, where.size > 0 and where.all(), id)
+
+    @classmethod
+    def without_exception(cls, id: str, exceptions: Any, compared: Any, of: str = "points") -> Self:
+        """Check that a claim holds in all of the cases ``compared``, at least one; ``of`` says what they are."""
+        words = f"{int(exceptions)} exceptions among {int(compared)} {of}"
+        return cls.holds(claims()[id].claim, claims()[id].source, words, exceptions == 0 and compared > 0, id)
+
+    def to_json(self) -> dict[str, Any]:
+        """Return plain values for JSON; numbers that are not finite become text, because JSON has none."""
+        return {key: str(v) if isinstance(v, float) and not math.isfinite(v) else v for key, v in asdict(self).items()}
+
+    @classmethod
+    def from_json(cls, values: Mapping[str, Any]) -> Self:
+        """Rebuild a check from :meth:`to_json`."""
+        texts = ("nan", "inf", "-inf")
+        numbers = ("computed", "error")
+        plain: dict[str, Any] = {k: float(v) if k in numbers and v in texts else v for k, v in values.items()}
+        return cls(**plain)
+
+    def sentence(self) -> str:
+        """Return the verdict as one sentence."""
+        if self.tolerance is None:
+            return f"{self.claim}: {'true' if self.passed else 'NOT true'} ({self.computed}) [{self.source}]."
+        return (
+            f"{self.claim}: expected {quantity(self.expected, self.unit)}, "
+            f"computed {quantity(self.computed, self.unit)}, relative error "
+            f"{text(self.error)} {'<=' if self.passed else 'is NOT <='} {text(self.tolerance)} [{self.source}]."
+        )
+
+
+class _Words(string.Formatter):
+    """Fills in numbers and texts: of an array each entry, or one, ``{x[-1]}``, or a number of all, ``{x.min}``."""
+
+    def get_field(self, field_name: str, args: Any, kwargs: Mapping[str, Any]) -> tuple[Any, str]:
+        """Return what is named; NaN for what an empty array has not, such as the least of its entries."""
+        name, index, method = re.fullmatch(r"(\w+)(?:\[(-?\d+)\])?(?:\.(\w+))?", field_name).groups()  # type: ignore[union-attr]
+        try:
+            value = kwargs[name] if index is None else kwargs[name][int(index)]
+            value = getattr(value, method) if method else value
+            return (value() if callable(value) else value), name
+        except (IndexError, ValueError):
+            return math.nan, name
+
+    def format_field(self, value: Any, format_spec: str) -> str:
+        """Return a number, text or array in words."""
+        return ", ".join("none" if one != one else format(one, format_spec) for one in np.ravel(value).tolist())
+
+
+def _filled(words: str, numbers: Mapping[str, Any]) -> str:
+    return _Words().vformat(words, (), numbers)
+
+
+def read_checks(path: str | os.PathLike[str]) -> list[tuple[str, Check]]:
+    """Read a file of checks: pairs (figure, check), the figure from the record or else from the name of the file.
+
+    Raises ``InputError``, with the remedy, if the file is missing or damaged.
+    """
+    try:
+        records = json.loads(Path(path).read_text(encoding="utf-8"))
+        return [(record.pop("figure", Path(path).stem), Check.from_json(record)) for record in records]
+    except OSError as error:
+        raise InputError(f"Cannot read {path}: {error.strerror}.") from None
+    except (ValueError, TypeError, AttributeError):
+        raise InputError(f"{path} is not a readable file of checks; run again what makes it.") from None
+
+
+def verdict(checks: NamedChecks) -> str:
+    """Return one line: how many checks passed, and in which figures some failed."""
+    failed = [figure for figure, check in checks if not check.passed]
+    if not failed:
+        return f"All {len(checks)} checks passed."
+    return f"{len(failed)} of {len(checks)} checks FAILED: {', '.join(dict.fromkeys(failed))}."
+
+
+def failures(checks: NamedChecks) -> list[str]:
+    """Return one sentence for each check that failed."""
+    return [f"{figure}: {check.sentence()}" for figure, check in checks if not check.passed]
+
+
+def printed_thresholds(checks: NamedChecks) -> list[str]:
+    """Return a line for each threshold that the chapter prints, as far as it is among the checks: printed, computed."""
+    lines = []
+    for name, id in chapter.THRESHOLDS.items():
+        for figure, check in ((figure, check) for figure, check in checks if check.id == id):
+            words = f"{name.replace('_', ' '):18} printed {quantity(check.expected, check.unit):8}"
+            computed = f"computed {quantity(check.computed, check.unit):10}"
+            lines.append(f"{words} {computed} error {percent(check.error):8} {figure}")
+    return lines
+
+
+def counts(checks: NamedChecks) -> str:
+    """Return how many checks passed in which figures, in lines of at most 120 columns."""
+    passed: dict[str, list[bool]] = {}
+    for figure, check in checks:
+        passed.setdefault(figure, []).append(check.passed)
+    parts = [f"{figure} {sum(found)}/{len(found)}" for figure, found in passed.items()]
+    return "\n".join(textwrap.wrap(f"Passed: {', '.join(parts)}.", 120, break_on_hyphens=False))
+
+
+def percent(error: float | None) -> str:
+    """Return a relative error in per cent, a dash if there is none."""
+    return "-" if error is None else f"{100 * error:.2g} %"
+
+
+def quantity(value: float | str, unit: str | None) -> str:
+    """Return a value with its unit as text."""
+    return text(value) if unit in (None, "1") or value != value else f"{text(value)} {unit}"
+
+
+def text(value: float | str | None) -> str:
+    """Return a value as text, numbers with six digits, NaN as "none", a dash for None."""
+    if value is None:
+        return "-"
+    return "none" if value != value else f"{value:.6g}" if isinstance(value, float) else value
+
+
+def printed(checks: NamedChecks) -> list[tuple[str, Check]]:
+    """Return those of some checks whose number the chapter prints, the thresholds first."""
+    return [pair for claim in chapter.printed() for pair in checks if pair[1].id == claim.id]
+
+
+def report(form: Literal["md", "rst"], checks: NamedChecks, statements: Statements | None = None) -> str:
+    """Return checks in one of two forms.
+
+    ``md``: Markdown that reads well as text. First how many ``statements`` of the chapter have which verdict, if these
+    are given, and a table of the numbers that it prints, if some are among the checks; then for each figure how many
+    passed, and a line for each of them. ``rst``: the table of printed numbers in reStructuredText, for a report.
+    """
+    from jinja2 import Environment, PackageLoader
+
+    pages = Environment(loader=PackageLoader("lsvib.chapter", "."), trim_blocks=True)
+    pages.filters["flat"] = lambda words: " ".join(words.split())
+    pages.filters["literal"] = lambda words: re.sub(r"([*`|_\\])", r"\\\1", words)  # no character means but itself
+    return pages.get_template(f"checks.{form}.j2").render(
+        verdict=verdict(checks),
+        printed=[(figure, check, _cells(figure, check)) for figure, check in printed(checks)],
+        every=checks,
+        statements=statements,
+        counted=counted(statements) if statements else "",
+        figures=dict.fromkeys(figure for figure, _ in checks),
+    )
+
+
+def _cells(figure: str, check: Check) -> list[str]:
+    """What was expected and computed, the relative error and the largest allowed, the verdict and the figure."""
+    values = [" ".join(quantity(value, check.unit).split()) for value in (check.expected, check.computed)]
+    return [*values, percent(check.error), percent(check.tolerance), "pass" if check.passed else "FAIL", figure]

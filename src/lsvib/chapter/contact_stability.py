@@ -1,0 +1,298 @@
+"""Critical mass of the drive with compliant threads over its contact, and the growth rates of Lemma 8.1."""
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from pydantic import Field
+
+from lsvib.answers import spans
+from lsvib.answers.attributes import CRITICAL_MASS, Variables, axis, drive_parameters, origin_of, variable, yes_no
+from lsvib.chapter import newton
+from lsvib.chapter import settings as of
+from lsvib.chapter.checks import Check
+from lsvib.chapter.common import CRITICAL_MASS_WITH_CONTACT, about, critical_mass_with_contact
+from lsvib.drives import chapter
+from lsvib.drives.drive import Drive
+from lsvib.drives.mechanics import coefficients
+from lsvib.errors import InputError
+from lsvib.pictures import style
+from lsvib.stability.boundaries import place_values, stable_set
+from lsvib.stability.conditions import least_damping_of_stiff_contact, unstable_contact_stiffness
+from lsvib.stability.spectrum import eigenvalues, margins, polynomial
+
+CAPTION = """\
+Steady sliding with compliant threads (drive of Table 8.1, force with the motion; contacts assumed): (a) the mass at
+which it is lost over the contact damping, for several contact stiffnesses, with the contacts of Figs 8.10 and 8.13; (b)
+growth rate above the critical mass of the rigid drive, unstable beyond the dotted stiffnesses whatever the damping
+(Lemma 8.1); (c) below it, where an elastic contact is unstable although the rigid drive is stable; (d) the contact
+dampings at which it is stable, which for soft contacts are two intervals. See docs/lemmas.md.
+"""
+
+_LARGEST_MASS = 1e9  # kg, the end of the range of the mass
+_NEAR = 1e-6  # relative distance from a critical mass at which LAPACK must see the change
+_BESIDE = np.array([1 - _NEAR, 1 + _NEAR])
+_COLOURS = (style.VERMILION, style.ORANGE, style.BLUE, style.BLACK, style.GREEN, style.PURPLE)
+# Where two lines coincide both are seen, and in grey they differ.
+_DASHES = ("-", (0, (5, 1.5)), (0, (3, 1, 1, 1)), (0, (8, 2)), "-", (0, (5, 1.5)))
+
+
+class Settings(of.DriveFigure):
+    unused = ("mass",)
+    engine = ()
+
+    stiffnesses: list[of.Stiffness] = of.several(1, 6, "Contact stiffnesses k_c of the curves [N/m].")
+    contact_damping: of.PositiveSpan = Field(description="c_c [N s/m] along the curves, spaced logarithmically.")
+    contacts: list[of.Contact] = of.several(2, 5, "Contacts that figures draw, the stiffest first.")
+    masses: of.MassPair = Field(description="Masses above and below the critical mass of the rigid drive [kg].")
+    stiffness: of.PositiveSpan = Field(description="k_c [N/m] of the growth rates, spaced logarithmically.")
+    dampings: list[of.ContactDamping] = of.several(
+        2, 5, "Contact dampings of the growth rates, the first zero [N s/m]."
+    )
+
+
+def build(settings: of.Values) -> xr.Dataset:
+    """Compute critical masses over the contact, and growth rates over its stiffness; c_x = 0, R Ω > 0."""
+    drive = Drive.of(chapter.PARTS["threads"] | settings["drive"])
+    rigid, (heavy, light) = [*place_values(drive, "kinematic_constraint", "mass"), 0.0][0], settings["masses"]
+    if not light < rigid < heavy:
+        raise InputError(f"masses = {[heavy, light]} do not lie above and below the critical mass of the rigid drive.")
+    along, stiffness = (spans.logarithmic(settings[name]) for name in ("contact_damping", "stiffness"))
+    curves, dampings = np.array(settings["stiffnesses"], float), np.array(settings["dampings"], float)
+    contacts = [drive.replace(**contact) for contact in settings["contacts"]]
+    critical = [critical_mass_with_contact(d) for d in contacts]
+    return xr.Dataset(
+        _curves(drive, curves, along)
+        | {"critical_mass_with_contact": variable("contact", critical, *CRITICAL_MASS_WITH_CONTACT)}
+        | _growth_rates(drive, heavy, light, dampings, stiffness)
+        | _limits(drive, heavy, light),
+        coords={
+            **axis("curve_contact_stiffness", curves),
+            **axis("curve_contact_damping", along),
+            **drive_parameters(
+                contacts,
+                "contact",
+                along=("contact_stiffness", "contact_damping"),
+                axes=("mass",),
+                printed=("Sect. 8.6", "Sect. 8.6.1"),
+                no_effect=("axial_force", "input_speed"),
+            ),
+            **axis("mass", [heavy, light], origin=origin_of("mass", [heavy, light], ("Sect. 8.6.1",))),
+            **axis("growth_contact_damping", dampings),
+            **axis("growth_contact_stiffness", stiffness),
+            "critical_mass": ((), rigid, CRITICAL_MASS),
+        },
+        attrs=about(
+            __doc__,
+            "characteristic polynomial in rational numbers, eigenvalues by LAPACK",
+            "Lemma 8.1, Sects 8.2, 8.6.1; docs/lemmas.md",
+            comment="R Omega > 0",
+        ),
+    )
+
+
+def _curves(drive: Drive, curves: np.ndarray, along: np.ndarray) -> Variables:
+    """Masses between which steady sliding is stable, over contact stiffness k_c [N/m] and damping c_c [N s/m]."""
+    contacts = [[drive.replace(contact_stiffness=float(k), contact_damping=float(c)) for c in along] for k in curves]
+    found = [[stable_set(contact, "mass").intervals for contact in row] for row in contacts]  # type: ignore[union-attr]
+    grid = np.array([[float(stable[0][1]) if stable else np.nan for stable in row] for row in found])
+    again = np.array([[float(stable[1][0]) if len(stable) > 1 else np.nan for stable in row] for row in found])
+    dims, whole = ("curve_contact_stiffness", "curve_contact_damping"), grid >= _LARGEST_MASS
+    words, lost = "mass from which on steady sliding is stable again, missing if from none", ~whole & np.isfinite(grid)
+    return {
+        "curve_critical_mass_with_contact": variable(dims, np.where(lost, grid, np.nan), *CRITICAL_MASS_WITH_CONTACT),
+        "stable_again": variable(dims, again, "kg", words),
+        "stable_at_every_mass": yes_no(dims, whole, "steady sliding is stable at every mass"),
+    }
+
+
+def _growth_rates(drive: Drive, heavy: float, light: float, dampings: np.ndarray, stiffness: np.ndarray) -> Variables:
+    """Growth rates of two masses [kg] over the contact stiffness, and where Lemma 8.1 and damping decide."""
+    drives = [[drive.replace(mass=m, contact_damping=c) for c in dampings] for m in (heavy, light)]
+    growth = [[_largest_real_part(dict(d), contact_stiffness=stiffness) for d in row] for row in drives]
+    stable = [stable_set(drive.replace(mass=light, contact_stiffness=k), "contact_damping") for k in stiffness]
+    dampings_of = [[(float(a), float(b)) for a, b in found.intervals] for found in stable]  # type: ignore[union-attr]
+    window = np.array([row[0] if len(row) > 1 else (np.nan, np.nan) for row in dampings_of])
+    above = [unstable_contact_stiffness(d) for d in drives[0]]
+    damping, stiff = "growth_contact_damping", "growth_contact_stiffness"
+    largest, proved = "largest real part of the eigenvalues", "contact stiffness beyond which Lemma 8.1 is proved"
+    enough = "contact damping above which the smaller mass is stable for all"
+    fewer = "ends of an interval of smaller dampings at which it is stable, too"
+    return {
+        "growth_rate": variable(("mass", damping, stiff), growth, "s-1", largest, r"max Re $s$"),
+        "unstable_contact_stiffness": variable(damping, above, "N m-1", proved, "$k_c$"),
+        "least_contact_damping": variable(stiff, [row[-1][0] for row in dampings_of], "N s m-1", enough, "$c_c$"),
+        "window_of_soft_contact": variable((stiff, "end"), window, "N s m-1", fewer, "$c_c$"),
+    }
+
+
+def _limits(drive: Drive, heavy: float, light: float) -> Variables:
+    """What the growth rates of two masses [kg] tend to for a stiff contact, and the scale of Lemma 8.1."""
+    gamma = {mass: float(coefficients(drive.replace(mass=mass)).gamma[1]) for mass in (heavy, light)}
+    beta = float(np.cos(drive.lead_angle) ** 2 * (1 + drive.friction_coefficient * np.tan(drive.lead_angle)))
+    lever = beta * abs(gamma[heavy]) / (drive.screw_inertia * heavy)
+    elastic = drive.support_damping / 2 * (1 / gamma[light] - 1 / drive.screw_inertia)
+    least = least_damping_of_stiff_contact(drive.replace(mass=light))
+    limit = "its limit for a stiff contact"
+    words = "limit of the growth rate of the smaller mass for a stiff elastic contact"
+    scale = "beta |Gamma_0| / (I m) of the larger mass, to which its growth rates are scaled"
+    return {
+        "least_contact_damping_of_stiff_contact": variable((), least, "N s m-1", limit, "$c_c$"),
+        "elastic_growth_limit": variable((), elastic, "s-1", words),
+        "growth_scale": variable((), lever, "kg-1", scale),
+    }
+
+
+def checks(dataset: xr.Dataset) -> list[Check]:
+    """Check the critical masses against eigenvalues and the rigid one, Lemma 8.1 and its converse."""
+    drive, wrong = newton.parameters(dataset), 0
+    for one in dataset.growth_rate.stack(contact=dataset.growth_rate.dims).transpose("contact"):
+        m, c, k = one.contact.item()
+        contact = Drive.of(drive, mass=m, contact_damping=c, contact_stiffness=k)
+        stable = all(x > 0 for x in margins(polynomial(contact.exact(), law=1), neutral=False))
+        wrong += stable != bool(one < 0)
+    return [
+        *_critical_mass_checks(dataset, drive),
+        *_lemma_checks(dataset, drive),
+        Check.without_exception("contact_stability.signs", wrong, dataset.growth_rate.size, "contacts"),
+    ]
+
+
+def _critical_mass_checks(dataset: xr.Dataset, drive: of.Values) -> list[Check]:
+    """Check the critical masses of the contacts that are drawn, and that all but soft ones lie below the rigid one.
+
+    By LAPACK these masses, and the ends of the intervals of dampings at which a contact is stable, of soft ones two.
+    """
+    rigid, own = float(dataset.critical_mass), dataset.critical_mass_with_contact.values
+    contacts = zip(own, dataset.contact_stiffness.values, dataset.contact_damping.values, strict=True)
+    sides = [
+        _largest_real_part(drive, mass=m * _BESIDE, contact_stiffness=k, contact_damping=c) for m, k, c in contacts
+    ]
+    crossing = {"sides": [f"{a:.2e} and {b:.2e}" for a, b in sides], "beside": _NEAR}
+    masses, every = dataset.curve_critical_mass_with_contact, dataset.stable_at_every_mass.values == 1
+    lost, again = np.isfinite(masses), np.isfinite(dataset.stable_again.values)
+    softest = float(dataset.curve_contact_stiffness.values[(every | again).any(axis=1)].max(initial=0.0))
+    swept = (masses.values[~every] < rigid).all() and softest < float(dataset.unstable_contact_stiffness[0])
+    kinds = {"lost": lost, "masses": masses, "every": every, "again": again, "softest": softest}
+
+    def grows(k: float, damping: np.ndarray) -> list[bool]:
+        light = {**drive, "mass": float(dataset.mass[1])}
+        return [bool(x > 0) for x in _largest_real_part(light, contact_stiffness=k, contact_damping=damping)]
+
+    stiffness, least = dataset.growth_contact_stiffness.values, dataset.least_contact_damping.values
+    ends = np.array([grows(k, c * _BESIDE) == [True, False] for k, c in zip(stiffness, least, strict=True)])
+    low, high = dataset.window_of_soft_contact.values.T
+    soft = np.isfinite(low)
+    windows = np.array([
+        grows(k, np.concatenate([a * _BESIDE, [np.sqrt(a * b)], b * _BESIDE])) == [True, False, False, False, True]
+        for k, a, b in zip(stiffness[soft], low[soft], high[soft], strict=True)
+    ])  # fmt: skip
+    both = {"windows": windows, "ends": ends, "softest": stiffness[soft].max(initial=0.0), "beside": _NEAR}
+    return [
+        Check.that("contact_stability.drawn", (np.diff(own) < 0).all() and own[0] < rigid, masses=own, rigid=rigid),
+        Check.that("contact_stability.crossing", all(a < 0 < b for a, b in sides), **crossing),
+        Check.that("contact_stability.sweep", swept, **kinds),
+        Check.that("contact_stability.soft", windows.all() and ends.all() and windows.size > 0, **both),
+    ]
+
+
+def _lemma_checks(dataset: xr.Dataset, drive: of.Values) -> list[Check]:
+    """Check Lemma 8.1 on the larger mass, and on the smaller one that its converse needs contact damping.
+
+    The larger is unstable with a stiff contact; how fast it then grows. How much damping the smaller one needs.
+    """
+    heavy, light = dataset.growth_rate
+    beyond = dataset.growth_contact_stiffness > dataset.unstable_contact_stiffness
+    scale, last = float(dataset.growth_scale), float(dataset.growth_contact_stiffness[-1])
+    half = scale * dataset.growth_contact_damping.values / 2
+    ratio = heavy.values[:, -1] / (half + np.sqrt(half**2 + scale * last))
+    contacts = {**drive, "mass": float(dataset.mass[0]), "contact_damping": dataset.growth_contact_damping.values}
+    places = (0.0, dataset.unstable_contact_stiffness.values)
+    none, left = (polynomial({**contacts, "contact_stiffness": k}, law=1)[2] for k in places)
+    part, proved = np.abs(left / none).max(), (heavy > 0).where(beyond, True).all()
+    grows = (np.abs(ratio - 1) < 0.01).all() and (np.diff(heavy.values[:, -3:]) > 0).all()
+    elastic, least, limit = light.values[0], dataset.least_contact_damping, float(dataset.elastic_growth_limit)
+    bound, flutters = float(dataset.least_contact_damping_of_stiff_contact), (elastic > 0).all()
+    enough = dataset.growth_contact_damping > least
+    damped = (light < 0).where(enough, True).all() and abs(float(least[-1]) / bound - 1) < 0.01
+    ends = {"stable": enough & (light < 0), "enough": enough, "least": least, "bound": bound}
+    return [
+        Check.that("contact_stability.proof", part < 1e-9, part=part),
+        Check.that(
+            "contact_stability.unstable",
+            proved and beyond.any("growth_contact_stiffness").all(),
+            unstable=(heavy > 0) & beyond,
+            beyond=beyond,
+        ),
+        Check.that("contact_stability.growth", grows, ratios=ratio, stiffest=last),
+        Check.that(
+            "contact_stability.elastic", flutters and abs(elastic[-1] / limit - 1) < 0.01, rate=elastic, limit=limit
+        ),
+        Check.that("contact_stability.damped", damped, **ends),
+    ]
+
+
+def _largest_real_part(drive: of.Values, **values: Any) -> np.ndarray:
+    """Largest real part [1/s] of LAPACK's eigenvalues, for arrays of parameters."""
+    return eigenvalues({**drive, **values}, law=1)[:, -1].real
+
+
+@style.styled
+def draw(dataset: xr.Dataset) -> style.Figure:
+    """Draw (a) the critical mass, (b, c) the growth rate of both masses and (d) the least contact damping.
+
+    Beyond the dotted stiffnesses of (b), one for each damping, the proof of Lemma 8.1 holds.
+    """
+    figure = style.new_figure(style.DOUBLE, 6.2)
+    mass, heavy, light, least = figure.subplots(2, 2).ravel()
+    rigid, damping = float(dataset.critical_mass), dataset.curve_contact_damping
+    for curve, colour, dashes in zip(dataset.curve_critical_mass_with_contact, _COLOURS, _DASHES, strict=False):
+        name = f"$k_c$ = {style.number(curve.curve_contact_stiffness)} N m⁻¹"
+        mass.plot(damping, curve, color=colour, linestyle=dashes, label=name)
+    mass.plot(dataset.contact_damping, dataset.critical_mass_with_contact, "o", color=style.PURPLE, zorder=4,
+              label="contacts of Figs 8.10, 8.13")  # fmt: skip
+    for one in dataset.critical_mass_with_contact:
+        place = float(one.contact_damping), float(one)
+        mass.annotate(f"{float(one):.2f} kg", place, (0, -12), textcoords="offset points", fontsize=6.5)
+    mass.axhline(rigid, color=style.GREY, linewidth=0.9, linestyle="--")
+    mass.annotate(f"rigid contact: {rigid:.3f} kg", (0.03, rigid), (0, -3), xycoords=mass.get_yaxis_transform(),
+                  textcoords="offset points", fontsize=6.5, va="top", color=style.GREY)  # fmt: skip
+    style.frame(mass, "(a) critical mass; steady sliding is lost above", damping, "Critical mass $m_\\mathrm{cr}$ [kg]",
+                xscale="log", ylim=(0, 1.8 * rigid))  # fmt: skip
+    mass.legend(loc="upper left")
+    for axes, letter, rates in zip((heavy, light), "bc", dataset.growth_rate, strict=True):
+        stiffness, sign = rates.growth_contact_stiffness, ">" if float(rates.mass) > rigid else "<"
+        for curve, colour, dashes in zip(rates, _COLOURS, _DASHES, strict=False):
+            name = f"$c_c$ = {style.number(curve.growth_contact_damping)} N s m⁻¹"
+            axes.plot(stiffness, curve, color=colour, linestyle=dashes, label=name)
+        axes.axhline(0, color=style.BLACK, linewidth=0.5)
+        axes.set_yscale("symlog", linthresh=10.0)
+        title = f"({letter}) growth rate, $m$ = {style.number(rates.mass)} kg {sign} rigid $m_\\mathrm{{cr}}$"
+        style.frame(axes, title, stiffness, "Largest real part [s⁻¹], stable below 0", xscale="log")
+    for value, colour in zip(dataset.unstable_contact_stiffness.values, _COLOURS, strict=False):
+        heavy.axvline(value, color=colour, linewidth=0.9, linestyle=":")
+    heavy.set_ylim(-10.0)
+    heavy.text(0.02, 0.03, "dotted: from here on unstable by Lemma 8.1, same colour", fontsize=6.5,
+               transform=heavy.transAxes, bbox={"facecolor": "#FFFFFF", "linewidth": 0, "pad": 0.8})  # fmt: skip
+    heavy.text(0.03, 0.7, "colours as in (c)", fontsize=6.5, transform=heavy.transAxes)
+    light.legend(loc="lower left")
+    _least(least, dataset)
+    return figure
+
+
+def _least(axes: style.Axes, dataset: xr.Dataset) -> None:
+    stiffness, least = dataset.growth_contact_stiffness, dataset.least_contact_damping
+    top, shade = 100 * float(least.max()), dict[str, Any](color=style.SKY, alpha=0.3, linewidth=0)
+    low, high = dataset.window_of_soft_contact.values.T
+    axes.fill_between(stiffness, least, top, **shade)
+    axes.fill_between(stiffness, low, high, **shade)
+    for end in (least, low, high):
+        axes.plot(stiffness, end, color=style.BLUE)
+    limit = float(dataset.least_contact_damping_of_stiff_contact)
+    axes.axhline(limit, color=style.GREY, linewidth=0.9, linestyle="--")
+    axes.annotate(f"stiff limit: {limit / 1e3:.2f} kN s m⁻¹", (0.97, limit), (0, -3), ha="right", va="top",
+                  xycoords=axes.get_yaxis_transform(), textcoords="offset points", fontsize=6.5)  # fmt: skip
+    axes.text(0.6, 0.92, "stable", transform=axes.transAxes, va="center")
+    axes.text(0.6, 0.45, "unstable", transform=axes.transAxes, va="center")
+    title = f"(d) contact damping at which $m$ = {style.number(dataset.mass[1])} kg is stable"
+    style.frame(axes, title, stiffness, dataset.contact_damping, xscale="log", yscale="log", ylim=(None, top))

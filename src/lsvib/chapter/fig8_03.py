@@ -1,0 +1,223 @@
+"""Figure 8.3: stability of the steady sliding over effective inertia and damping, by eigenvalues (8.18)."""
+
+from enum import IntEnum
+from itertools import product
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from pydantic import Field
+
+from lsvib.answers import attributes as cf
+from lsvib.answers import spans
+from lsvib.chapter import printed_laws
+from lsvib.chapter.checks import Check
+from lsvib.chapter.common import about
+from lsvib.chapter.contact_force import Existence, existence
+from lsvib.chapter.settings import DriveFigure, Span, Values
+from lsvib.drives.drive import Drive
+from lsvib.drives.mechanics import coefficients
+from lsvib.pictures import drawing, style
+from lsvib.stability.spectrum import eigenvalue_pair
+
+CAPTION = """\
+Stability of the steady sliding over effective inertia and effective damping, from the eigenvalues (8.18) at each point
+of the plane. Colours and words name the class; node and focus meet on the black curve.
+"""
+
+_INERTIA = cf.attributes("kg m2", "effective inertia", r"$\Gamma_0$")
+_DAMPING = cf.attributes("N m s rad-1", "effective damping", "$C_0$")
+_COLOURS = {  # stable classes in blues and greens, unstable ones in warm colours
+    **{"stable node": "#9FD3C7", "stable focus": "#BFDDF2", "centre": style.GREY, "unstable focus": "#FBE3B5"},
+    **{"unstable node": "#F4B78A", "saddle": "#E3C3D6", "degenerate": style.BLACK},
+}
+
+
+class Stability(IntEnum):
+    """Classes by the eigenvalues."""
+
+    STABLE_NODE = 0
+    STABLE_FOCUS = 1
+    CENTRE = 2
+    UNSTABLE_FOCUS = 3
+    UNSTABLE_NODE = 4
+    SADDLE = 5
+    DEGENERATE = 6
+
+
+class Settings(DriveFigure):
+    unused = ("mass", "translation_damping", "friction_coefficient", "axial_force")
+    engine = ()
+
+    inertia: Span = Field(description="Effective inertia [kg m2].")
+    damping: Span = Field(description="Effective damping [N m s/rad].")
+
+
+def build(settings: Values) -> xr.Dataset:
+    """Compute the class map, the node–focus boundary, and drives beside the conditions of stability."""
+    drive = Drive.of(settings["drive"])
+    stiffness = drive.coupling_stiffness
+    inertia, damping = spans.even(settings["inertia"]), spans.even(settings["damping"])
+    kinds, plane = _classes(inertia[:, None], damping, stiffness), ("effective_inertia", "effective_damping")
+    positive = inertia[-1] * np.linspace(0, 1, inertia.size)[1:] ** 2  # dense near the vertex of the parabola
+    met = _node_focus_boundary(positive, stiffness)
+    along, words = "node_focus_effective_inertia", "effective damping where two eigenvalues meet"
+    return xr.Dataset(
+        {
+            "stability": cf.flagged(plane, kinds, "class of the steady sliding", Stability),
+            "node_focus_effective_damping": cf.variable(along, met, "N m s rad-1", words, "$C_0$"),
+        }
+        | _many_drives(drive),
+        coords={
+            "effective_inertia": ("effective_inertia", inertia, _INERTIA),
+            "effective_damping": ("effective_damping", damping, _DAMPING),
+            along: (along, positive, _INERTIA),
+            **cf.drive_parameters(drive, no_effect=Settings.unused),
+        },
+        attrs=about(__doc__, "eigenvalues in closed form (8.18)", "Sect. 8.4, Fig. 8.3"),
+    )
+
+
+def _classes(inertia: np.ndarray, damping: np.ndarray, stiffness: float) -> np.ndarray:
+    """Class (:class:`Stability`) by the eigenvalues (8.18); a pair that coincides is a node, Γ_0 = 0 degenerate."""
+    low, high = np.moveaxis(eigenvalue_pair(inertia, damping, stiffness), -1, 0)
+    oscillates = high.imag != 0
+    first_of = {
+        Stability.DEGENERATE: np.isnan(high.real),
+        Stability.STABLE_FOCUS: oscillates & (high.real < 0),
+        Stability.UNSTABLE_FOCUS: oscillates & (high.real > 0),
+        Stability.CENTRE: oscillates,
+        Stability.STABLE_NODE: high.real < 0,
+        Stability.UNSTABLE_NODE: low.real > 0,
+    }
+    return np.select([*first_of.values()], [*first_of], Stability.SADDLE).astype(np.int8)
+
+
+def _many_drives(drive: Drive) -> cf.Variables:
+    """Drives on both sides of every condition of (8.19) and (8.21): coefficients, growth, states without a solution."""
+    tangent = float(np.tan(drive.lead_angle))
+    mass = drive.screw_inertia / abs(tangent * drive.pitch_radius**2 * printed_laws.factor(drive, 1))  # m_cr
+    axes = {
+        "mass": mass * np.array([0.1, 0.5, 0.99, 1.01, 2.0]),
+        "friction_coefficient": [*(tangent * np.array([0.1, 0.99, 1.01, 2.0, 3.0])), 0.9 / tangent],
+        "axial_force": [-50.0, 50.0],
+        "translation_damping": [0.0, 1e3],
+    }
+    angles = np.geomspace(1e-3, 1e3, 13) * np.array([[-1], [1]])
+    u, w = np.meshgrid(angles, drive.input_speed * np.array([-3, 0.5]))
+    rows = []
+    for values in product(*axes.values()):
+        own = drive.replace(**dict(zip(axes, map(float, values), strict=True)))
+        c = coefficients(own)
+        inertia, damping = float(c.gamma[c.steady_law]), float(c.damping[c.steady_law])
+        growth = eigenvalue_pair(inertia, damping, drive.coupling_stiffness).real.max()
+        none = (existence(own, u, w) == Existence.INCONSISTENT).any()
+        rows.append((float(c.gamma[1]), float(c.gamma[-1]), inertia, damping, growth, none))
+    table = np.moveaxis(np.array(rows).reshape(*map(len, axes.values()), 6), -1, 0)
+    dims = tuple(f"swept_{name}" for name in axes)
+    return {
+        **cf.varied(**{f"swept_{name}": values for name, values in axes.items()}),
+        "effective_inertia_plus": cf.variable(dims, table[0], "kg m2", "effective inertia of law +", r"$\Gamma_+$"),
+        "effective_inertia_minus": cf.variable(dims, table[1], "kg m2", "effective inertia of law -", r"$\Gamma_-$"),
+        "swept_effective_inertia": (dims, table[2], _INERTIA),
+        "swept_effective_damping": (dims, table[3], _DAMPING),
+        "growth_rate_of_steady_sliding": cf.variable(dims, table[4], "s-1", "largest real part of an eigenvalue"),
+        "without_solution": cf.yes_no(dims, table[5], "some state of the drive has no contact force"),
+    }
+
+
+def checks(dataset: xr.Dataset) -> list[Check]:
+    """Check the class map against the conditions of Sect. 8.4 and against eigenvalues of the matrix itself (LAPACK)."""
+    inertia, damping = dataset.effective_inertia.values[:, None], dataset.effective_damping.values[None, :]
+    stiffness = float(dataset.coupling_stiffness)
+    regular = ~cf.named(dataset.stability, "degenerate")
+    stable = cf.named(dataset.stability, "stable node", "stable focus")
+    wrong = int(np.sum(regular & (stable != ((inertia > 0) & (damping > 0)))))
+    saddles = cf.named(dataset.stability, "saddle") == (inertia < 0)
+    ratio = dataset.node_focus_effective_damping**2 / (4 * stiffness * dataset.node_focus_effective_inertia)
+    gamma, c = (x[inertia[:, 0] != 0].ravel() for x in np.broadcast_arrays(inertia, damping))
+    jacobian = np.zeros((gamma.size, 2, 2))
+    jacobian[:, 0, 1], jacobian[:, 1, 0], jacobian[:, 1, 1] = 1, -stiffness / gamma, -c / gamma
+    theirs, ours = np.sort_complex(np.linalg.eigvals(jacobian).astype(complex)), eigenvalue_pair(gamma, c, stiffness)
+    # LAPACK keeps only half of the digits (1.5e-8) where two eigenvalues coincide.
+    largest = np.max(np.abs(ours - theirs) / np.abs(ours).max(axis=1, keepdims=True))
+    return [
+        Check.that("fig8_03.stable", wrong == 0 and stable.any(), wrong=wrong, regular=regular),
+        Check.without_exception("fig8_03.saddle", np.sum(regular & ~saddles), regular.sum()),
+        Check.of("fig8_03.node_focus", ratio, expected=1.0),
+        Check.that("fig8_03.eigenvalues", largest < 1e-7, largest=largest),
+        *_condition_checks(dataset),
+    ]
+
+
+def _condition_checks(dataset: xr.Dataset) -> list[Check]:
+    """Check the conditions of the chapter, as printed, on drives on both sides of each of them."""
+    swept = {name[6:]: dataset[name] for name in map(str, dataset.coords) if name.startswith("swept_")}
+    p = SimpleNamespace(**{str(name): x for name, x in dataset.coords.items()} | swept)
+    net, free = printed_laws.net_force(p), p.translation_damping == 0
+    locking, pushed = p.friction_coefficient > np.tan(p.lead_angle), p.axial_force * p.input_speed > 0
+    third, negative = printed_laws.inertia(p, 1) < 0, (net * p.input_speed > 0) & (printed_laws.damping(p, 1) < 0)
+    plus, minus = dataset.effective_inertia_plus, dataset.effective_inertia_minus
+    inertia, damping = dataset.swept_effective_inertia, dataset.swept_effective_damping
+    unstable = dataset.growth_rate_of_steady_sliding > 0
+    gap = max(float(abs(x - printed_laws.inertia(p, s)).max() / p.screw_inertia) for s, x in ((1, plus), (-1, minus)))
+    none, of = dataset.without_solution == 1, "drives"
+    both, ways = (inertia < 0) | (damping < 0), ((inertia < 0) & (damping > 0), (inertia > 0) & (damping < 0))
+    allowed = {s: s * net / printed_laws.lever(p, s) * p.input_speed > 0 for s in (1, -1)}
+    three = locking & negative
+    off = abs(damping - printed_laws.damping(p, 1).where(allowed[1], printed_laws.damping(p, -1)))
+    of_sign, opposed = plus.where(allowed[1], minus), (inertia == minus) & (minus > 0) & ~unstable
+
+    def among(truth: xr.DataArray, cases: xr.DataArray) -> Any:
+        return truth.broadcast_like(unstable).values[cases.broadcast_like(unstable).values]
+
+    found = [among(unstable, way) for way in ways]
+    return [
+        Check.that("fig8_03.inertias", gap < 1e-9, gap=gap),
+        Check.everywhere("fig8_03.one_sign", (allowed[1] != allowed[-1]) & (inertia == of_sign), of),
+        Check.everywhere("fig8_03.law_minus", minus > p.screw_inertia, of),
+        Check.everywhere("fig8_03.law_plus", among(locking, plus < 0), of),
+        Check.everywhere("fig8_03.force_against", among(opposed, free & ~pushed), of),
+        Check.everywhere("fig8_03.paradoxes", none == (locking & third), of),
+        Check.everywhere("fig8_03.kinematic", among(unstable == (locking & pushed & third), free), of),
+        Check.everywhere("fig8_03.negative_damping", ((damping < 0) == three) & (off < 1e-9 * p.support_damping), of),
+        Check.everywhere("fig8_03.necessary", among(locking & pushed, unstable), of),
+        Check.that(
+            "fig8_03.locking",
+            (inertia < 0).any() and (damping < 0).any() and (locking | ~both).all(),
+            inertias=inertia < 0,
+            dampings=damping < 0,
+        ),
+        Check.that("fig8_03.either", all(x.size and x.all() for x in found), inertia=found[0], damping=found[1]),
+    ]
+
+
+def _node_focus_boundary(inertia: np.ndarray, stiffness: float) -> np.ndarray:
+    """Damping [N m s/rad] at which the eigenvalues turn real, by bisection on the eigenvalues themselves."""
+    focus, node = np.zeros_like(inertia), 4 * np.sqrt(stiffness * inertia)
+    for _ in range(100):  # to the last bit, also where the boundary lies decades below its bracket
+        middle = (focus + node) / 2
+        oscillates = eigenvalue_pair(inertia, middle, stiffness)[:, 1].imag != 0
+        focus, node = np.where(oscillates, middle, focus), np.where(oscillates, node, middle)
+    return node
+
+
+@style.styled
+def draw(dataset: xr.Dataset) -> style.Figure:
+    """Draw the class map and the node–focus boundary C_0² = 4kΓ_0."""
+    figure = style.new_figure(style.DOUBLE, 3.6)
+    axes, line = figure.add_subplot(), dict[str, Any](color=style.BLACK, linewidth=1.0)
+    inertia, damping = dataset.effective_inertia, dataset.effective_damping
+    drawing.regions(axes, inertia, damping, dataset.stability.T, _COLOURS, shading="nearest")
+    for sign, name in ((1, None), (-1, r"$C_0^2 = 4 k \Gamma_0$")):
+        met = sign * dataset.node_focus_effective_damping
+        axes.plot(dataset.node_focus_effective_inertia, met, label=name, **line)
+    axes.axvline(0, **line)
+    axes.plot([0, inertia[-1]], [0, 0], **line)
+    for name in cf.flag_names(dataset.stability).values():
+        inside = dataset.stability.copy(data=cf.named(dataset.stability, name))
+        if inside.mean() > 0.01:  # lines such as the centres have no region
+            axes.text(inertia.where(inside).mean(), damping.where(inside).mean(), name, ha="center")
+    style.frame(axes, "", inertia, damping, xlim=inertia[[0, -1]], ylim=damping[[0, -1]])
+    return style.legend(figure, [axes], 1)

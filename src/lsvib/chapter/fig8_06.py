@@ -1,0 +1,229 @@
+"""Figure 8.6: amplitude against the axial force under negative damping, with three phase portraits.
+
+Also the coefficients that Sect. 8.5.1 prints, for both readings of the mass: it states m = 1 kg, but prints the
+effective inertias of m = 8 kg.
+"""
+
+from typing import Annotated, Self
+
+import numpy as np
+import xarray as xr
+from pydantic import Field, model_validator
+from pydantic_core import PydanticCustomError
+
+from lsvib.answers import phase_plane, spans
+from lsvib.answers.analysis import analyse, value
+from lsvib.answers.attributes import flag_names, flagged, named, start_state, variable, varied, yes_no
+from lsvib.chapter import newton
+from lsvib.chapter.checks import Check, quantity
+from lsvib.chapter.common import about, printed, spread
+from lsvib.chapter.settings import MassPair, PhasePlane, Span, State, Values, parameter, several
+from lsvib.drives import chapter
+from lsvib.drives.chapter import claims
+from lsvib.drives.drive import Drive
+from lsvib.drives.mechanics import coefficients
+from lsvib.drives.names import MotionMode
+from lsvib.pictures import drawing, style
+
+CAPTION = """\
+Amplitude of the steady vibration against the axial force R for m = 1 kg and c_x = 1000 N s/m, with phase portraits at
+three forces below, insets in the chapter. Circles mark the forces of the portraits. Vibration sets in at the onset
+force, first touches rest at the stick force, and no longer reaches N = 0 beyond the detach force.
+"""
+
+_THRESHOLDS = {"onset_force": "onset", "stick_force": "stick", "detach_force": "detach"}  # with words in the picture
+_REGIMES = {  # what the drive does: colour, words, dashes
+    "no vibration": (style.BLACK, "no vibration", "-"),
+    "pure slip": (style.BLUE, "cycle of pure slip", "-"),
+    "stick slip with contact reversal": (style.ORANGE, "stick–slip, reaches $N = 0$", "-"),
+    "stick slip": (style.VERMILION, "stick–slip, $N > 0$", (0, (2, 0.6))),
+}
+_INSETS = ("fig8_06.decays", "fig8_06.slips", "fig8_06.sticks")  # below the onset force, between, above the stick force
+_REACHED = ("steady sliding", "other cycle", "stick slip cycle")
+_READ = [f"effective_{kind}_{sign}" for kind in ("inertia", "damping") for sign in ("minus", "plus")]
+_OF = {name: name.replace("_force", "_axial_force") for name in (*_READ, *_THRESHOLDS)}  # names in the analysis
+
+
+class Settings(PhasePlane):
+    unused = ("axial_force",)
+
+    axial_force: Span = Field(description="R [N].")
+    start: State
+    insets: list[Annotated[float, parameter("axial_force")]] = several(1, 3, "Axial forces of the inset portraits [N].")
+    mass_readings: MassPair = Field(
+        description="Mass as stated, and mass to which the printed effective inertias belong [kg]."
+    )
+
+    @model_validator(mode="after")
+    def _mass_is_read(self) -> Self:
+        """Check that the mass of the drive is one of the two readings."""
+        if self.drive.mass not in self.mass_readings:
+            words = " and ".join(f"{mass:g}" for mass in self.mass_readings)
+            raise PydanticCustomError("of_the_whole", f"has mass = {self.drive.mass:g}, none of mass_readings: {words}")
+        return self
+
+
+def analysis(settings: Values) -> xr.Dataset:
+    """Analyse the drive for both readings of its mass: effective inertias and dampings, the three forces."""
+    readings = [Drive.of(settings["drive"]).replace(mass=float(mass)) for mass in settings["mass_readings"]]
+    forces = [(name, "axial_force") for name in ("onset", "stick", "detach")]
+    return analyse(readings, forces, ("mass",), ("Sect. 8.5.1",))
+
+
+def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
+    """Compute the amplitude curve between the thresholds of the analysis, and the inset portraits."""
+    from lsvib.answers.sweep import product_of
+    from lsvib.dynamics.behaviour import Behaviour, behaviours
+
+    drive = Drive.of(settings["drive"])
+    reading = settings["mass_readings"].index(drive.mass)
+    values = {name: value(analysis[_OF[name]], reading) for name in _THRESHOLDS}
+    # Also at a relative distance of 1e-9 on either side of a threshold.
+    beside = [value * (1 + sign * 1e-9) for value in values.values() for sign in (-1, 1)]
+    forces = np.unique(np.concatenate([spans.even(settings["axial_force"]), list(values.values()), beside]))
+    tangent = float(drive.exact().tan_lead)
+    frictions = np.append(tangent * np.array([0.99, 1.01]), drive.friction_coefficient)
+    drives = [drive.replace(axial_force=float(force)) for force in forces]
+    steady = [phase_plane.reached(d, settings["start"]) for d in drives]
+    insets = [drive.replace(axial_force=float(force)) for force in settings["insets"]]
+    words = {name: name.replace("_", " ") for name in _THRESHOLDS}
+    planes = phase_plane.portraits(settings, insets, ("axial_force",), ("Sect. 8.5.1", "Fig. 8.6")).assign_coords(
+        {
+            **varied(swept_axial_force=forces, swept_friction_coefficient=frictions),
+            **varied(reading_mass=settings["mass_readings"]),
+            **start_state(settings["start"], "of the motions whose steady vibration swept_amplitude describes"),
+            "lead_tangent": variable((), tangent, "1", "tangent of the lead angle", r"$\tan\lambda$"),
+            **{name: variable((), value, "N", words[name], "$R$") for name, value in values.items()},
+            **{f"printed_{n}": printed(chapter.THRESHOLDS[n], words[n]) for n in _THRESHOLDS},
+        }
+    )
+    readings = {
+        f"reading_{name}": ("reading_mass", analysis[of].values, analysis[of].attrs) for name, of in _OF.items()
+    }
+    holding = []
+    for own in (insets[-1].replace(friction_coefficient=float(x)) for x in frictions):  # from θ′ = 0 and z = 0
+        motion = phase_plane.followed(own, [-float(coefficients(own).deflection), -own.input_speed], 1e-9)
+        holding.append(motion.automaton.codes[motion.arcs()[0][0]] == MotionMode.REST)
+    said = "the screw, standing in an untwisted coupling, stays at rest under the largest force of a portrait"
+    holds = {"holds_without_torque": yes_no("swept_friction_coefficient", holding, said)}
+    _, kinds = behaviours(product_of(drives[0], {"axial_force": forces.tolist()}))
+    dim, slowest = "swept_axial_force", [s.extremes(np.array([0, 1.0, 0]))[0] for s in steady]
+    net, drag = [float(coefficients(d).net_force) for d in drives], "axial force less the drag of the translation"
+    curve = {
+        "swept_amplitude": variable(dim, [s.amplitude for s in steady], "rad", phase_plane.AMPLITUDE),
+        "smallest_velocity": variable(dim, slowest, "rad s-1", "smallest rate of the deviation", r"$\dot u$"),
+        "regime": flagged(dim, kinds, "what the drive does", Behaviour),
+        "net_force": variable(dim, net, "N", drag, r"$\tilde R$"),
+    }
+    return planes.assign(curve | readings | holds).assign_attrs(
+        about(__doc__, "exact event-driven motion and its return map", "Sect. 8.5.1, Fig. 8.6")
+    )
+
+
+def checks(dataset: xr.Dataset) -> list[Check]:
+    """Check the thresholds, the shape of the curve, where its regime changes, the insets and the coefficients.
+
+    What the motions of a portrait reach is what the chapter says of a force, by its own printed limits.
+    """
+    friction, tangent = dataset.swept_friction_coefficient.values, float(dataset.lead_tangent)
+    holds, force = dataset.holds_without_torque.values == 1, dataset.axial_force.values
+    limits = [claims()[id].value for id in ("fig8_06.onset_force", "fig8_06.stick_force")]
+    line = dataset.contact_line_angle.values[force > limits[0]]
+    nears = line.size > 1 and (np.diff(np.abs(line)) > 0).all() and np.ptp(np.sign(line)) == 0
+    locks = (holds == (friction > tangent)).all() and holds[-1]
+    words, insets = flag_names(dataset.attractor), []
+    for found, inset in zip(dataset.attractor, force, strict=True):
+        id, kind = (row[np.searchsorted(limits, inset)] for row in (_INSETS, _REACHED))
+        names = sorted({words[value].replace(" ", "_") for value in found.values.ravel()})
+        told = {"names": names, "starts": dataset.sizes["start"], "force": inset}
+        insets.append(Check.that(id, named(found, kind).all(), **told))
+    return [
+        newton.laws_check(dataset, "Fig. 8.6"),
+        Check.of("fig8_06.lead_tangent", tangent),
+        Check.that("fig8_06.self_locking", locks, friction=friction[holds], tangent=tangent),
+        Check.that("fig8_06.line", nears, line=np.abs(line)),
+        *(Check.of(chapter.THRESHOLDS[name], dataset[name]) for name in _THRESHOLDS),
+        newton.touching_check(dataset.isel(case=0), 1, dataset.detach_force, "Detach force"),
+        *_curve_checks(dataset),
+        *insets,
+        *_reading_checks(dataset),
+    ]
+
+
+def _curve_checks(dataset: xr.Dataset) -> list[Check]:
+    """Check the amplitude between the thresholds, and that the regime changes there and nowhere else."""
+    onset, stick, detach = limits = [float(dataset[name]) for name in _THRESHOLDS]
+    slowest = dataset.smallest_velocity.values
+    force, amplitude = dataset.swept_axial_force.values, dataset.swept_amplitude.values
+    below, last = amplitude[force < onset], amplitude[force > detach]
+    slip = (force > onset) & (force < stick)
+    slope = amplitude[slip] / dataset.net_force.values[slip]
+    # At a threshold itself both neighbours' names are right: the cycle touches there.
+    right = np.choose(np.digitize(force, limits), [named(dataset.regime, name) for name in _REGIMES])
+    judged = ~np.isin(force, limits)
+    stops = (slowest <= dataset.stop_velocity.values[0]) == (force > stick)
+    return [
+        Check.that("fig8_06.below_onset", below.size and (below == 0).all(), below=below),
+        Check.that("fig8_06.straight", (slope > 0).all() and spread(slope) < 1e-9, slope=slope, spread=spread(slope)),
+        Check.that("fig8_06.constant", (last > 0).all() and spread(last) < 1e-12, last=last, spread=spread(last)),
+        Check.without_exception("fig8_06.regimes", np.sum(judged & ~right), judged.sum(), "forces"),
+        Check.that("fig8_06.rest", stops[judged].all(), slowest=slowest),
+    ]
+
+
+def _reading_checks(dataset: xr.Dataset) -> list[Check]:
+    """Check the printed values: C± do not depend on the mass; Γ± as printed do not belong to the stated one."""
+    stated = float(dataset.mass)
+    other = float(dataset.reading_mass.values[dataset.reading_mass.values != stated][0])
+    ours, theirs = ({str(name).removeprefix("reading_"): float(x) for name, x in dataset.sel(reading_mass=mass).items()
+                     if str(name).startswith("reading_")} for mass in (stated, other))  # fmt: skip
+    stands = {"inertia_minus": "fig8_06.inertia_minus", "inertia_plus": "fig8_06.inertia_plus"}
+    inertias = [ours[f"effective_{name}"] for name in stands]
+    wrong = [abs(x / claims()[id].value - 1) > 0.1 for x, id in zip(inertias, stands.values(), strict=True)]
+    forces = [theirs[name] for name in ("stick_force", "detach_force")]
+    ids = [chapter.THRESHOLDS[name] for name in ("stick_force", "detach_force")]
+    off = [not abs(force / claims()[id].value - 1) <= 0.02 for force, id in zip(forces, ids, strict=True)]
+    read = f"as printed, read as that of m = {other:g} kg (with the stated m = {stated:g} kg it is"
+    return [
+        Check.of("fig8_06.damping_minus", ours["effective_damping_minus"]),
+        Check.of("fig8_06.damping_plus", ours["effective_damping_plus"]),
+        *(
+            Check.of(id, theirs[f"effective_{name}"], note=f"{read} {ours[f'effective_{name}']:.3g} kg m2)")
+            for name, id in stands.items()
+        ),
+        Check.that("fig8_06.stated_mass", all(wrong), mass=stated, inertias=inertias),
+        Check.that("fig8_06.other_mass", all(off), mass=other, forces=[quantity(x, "N") for x in forces]),
+    ]
+
+
+@style.styled
+def draw(dataset: xr.Dataset) -> style.Figure:
+    """Draw the amplitude curve by regimes, the three thresholds, and below the portraits, so that they hide nothing."""
+    figure, cases = style.new_figure(style.DOUBLE, 5.2), dataset.case.values.tolist()
+    panels = figure.subplot_mosaic([["curve"] * len(cases), cases], height_ratios=(1.2, 1))
+    axes = panels["curve"]
+    forces, amplitude = dataset.swept_axial_force, dataset.swept_amplitude
+    for name, (colour, words, dashes) in _REGIMES.items():
+        inside = named(dataset.regime, name)
+        axes.plot(forces[inside], amplitude[inside], color=colour, linewidth=2.2, linestyle=dashes, label=words)
+    top = 1.12 * float(amplitude.max())
+    words = ", ".join(f"{float(dataset[f'printed_{name}']):g}" for name in _THRESHOLDS)
+    for name, word in _THRESHOLDS.items():
+        force = float(dataset[name])
+        axes.axvline(force, color=style.GREY, linewidth=0.8, linestyle=":", zorder=0)
+        axes.axvline(float(dataset[f"printed_{name}"]), **style.PRINTED, zorder=0, label=f"printed: {words} N")
+        axes.text(force, top, f"{word} {force:.2f} N", ha="center", va="bottom")
+    axes.set(xlabel=style.label(forces), xlim=forces[[0, -1]], ylim=(-0.02 * top, top))
+    axes.set_ylabel(style.label(amplitude, "amplitude of $u$"))
+    # xarray's own interpolation needs scipy, which the package does not.
+    curve = np.interp(dataset.axial_force, forces, amplitude, np.nan, np.nan)
+    axes.plot(dataset.axial_force, curve, "o", color="white", mec=style.BLACK, markersize=4.5, zorder=4,
+              label="force of a phase portrait")  # fmt: skip
+    for index in cases:
+        portrait, case = panels[index], dataset.sel(case=index)
+        drawing.phase_plane(portrait, case, [0.8] * case.sizes["start"], 1.6, 0.2)
+        drawing.draw_lines(portrait, case)
+        drawing.guide(portrait, case)
+        drawing.label_axes(portrait, case, f"$R$ = {style.number(case.axial_force)} N")
+        portrait.locator_params(axis="x", nbins=4)
+    return style.legend(figure, [*panels.values()], 4)

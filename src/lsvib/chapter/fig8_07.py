@@ -1,0 +1,149 @@
+"""Figure 8.7: the four sectors of the phase plane in the Painlevé region, without a solution or with two."""
+
+from itertools import product
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from pydantic import Field
+
+from lsvib.answers import phase_plane, spans
+from lsvib.answers.attributes import flagged, named, variable
+from lsvib.chapter import newton, printed_laws
+from lsvib.chapter.checks import Check
+from lsvib.chapter.common import about
+from lsvib.chapter.contact_force import Existence, existence
+from lsvib.chapter.settings import PhasePlane, Span, Values
+from lsvib.drives.drive import Drive
+from lsvib.drives.mechanics import coefficients
+from lsvib.drives.names import RULES, Event, MotionMode
+from lsvib.pictures import drawing, style
+
+CAPTION = """\
+The four sectors of the phase plane in the region of Painlevé's paradoxes: no solution in the hatched sectors, two
+solutions in the others. The lines are zero contact force and zero velocity of the screw; the words give the signs of
+both, those of law − first, under which motions slip. Not in the chapter's figure: the motions, each drawn up to the end
+of the first seizure into which it slips, whence it goes on to the limit cycle. One seizes at its start so far to the
+right that the coupling holds the screw: it rests, the green bar, while the input turns on, u falling at the rate Ω,
+until the screw can slip forwards again.
+"""
+
+_SECTORS = {"inconsistent": ("#F7D9C4", "////", "no solution"), "indeterminate": ("#FFFFFF", None, "two solutions")}
+_HATCH = "#C9A58C"
+
+
+class Settings(PhasePlane):
+    angle: Span = Field(description="Deviation u [rad].")
+    velocity: Span = Field(description="Rate of the deviation w [rad/s].")
+
+
+def build(settings: Values) -> xr.Dataset:
+    """Compute the existence map, motions from each sector and their rests after a seizure; R > 0, Ω > 0, Γ₊ < 0."""
+    drive = Drive.of(settings["drive"])
+    angle, velocity = spans.even(settings["angle"]), spans.even(settings["velocity"])
+    kinds = existence(drive, *np.meshgrid(angle, velocity, indexing="ij"))
+    plane, xi = ("grid_angle_deviation", "grid_velocity_deviation"), coefficients(drive).xi
+    equilibrium = drive.pitch_radius * float(xi[1] - xi[-1]) * drive.axial_force / drive.coupling_stiffness
+    rests = np.empty((len(settings["starts"]), len(RULES)))
+    for k, (start, rule) in enumerate(product(settings["starts"], RULES)):
+        motion = phase_plane.followed(drive, [start["u"], start["w"]], settings["duration"], rule)
+        modes, *_, durations = motion.arcs()
+        first = np.flatnonzero(motion.kind == Event.SEIZURE)[:1] + 1  # of a start that does not seize, none
+        rests.flat[k] = durations[first][motion.automaton.codes[modes[first]] == MotionMode.REST].sum()
+    planes = phase_plane.portraits(settings, [drive], (), ("Sect. 8.6",)).assign_coords(
+        {"equilibrium_angle": variable((), equilibrium, "rad", "equilibrium of the equation of law -", "$u_0$")}
+        | phase_plane.grid_axes(angle, velocity)
+    )
+    return planes.assign(
+        {
+            "existence": flagged(plane, kinds, "solutions for the contact force", Existence),
+            "rest_after_seizure": variable(("start", "rule"), rests, "s", "time at rest after the first seizure"),
+        }
+    ).assign_attrs(
+        about(__doc__, "existence of the contact force (8.5) and exact event-driven motion", "Sect. 8.6, Fig. 8.7")
+    )
+
+
+def checks(dataset: xr.Dataset) -> list[Check]:
+    """Check the map by signs alone, the motions of each sector, and what follows a seizure.
+
+    Also the signs of N by (8.3) where there is no solution, and the slip under law − as far as it goes.
+    """
+    p, stop = dataset.isel(case=0), float(dataset.stop_velocity[0])
+    sense = np.sign(p.input_speed + p.grid_velocity_deviation)
+    beyond = np.sign(_beyond_line(dataset, dataset.grid_angle_deviation, dataset.grid_velocity_deviation)).values
+    signed = beyond * np.sign(dataset.grid_velocity_deviation - stop).values
+    none, two, edge = (named(dataset.existence, word) for word in ("inconsistent", "indeterminate", "boundary"))
+    regular = ~edge & (signed != 0)
+    wrong = int(np.sum(~np.where(signed > 0, none, two) & regular))
+    u, w = dataset.angle_deviation.values[0, :, 0], dataset.velocity_deviation.values[0, :, 0]
+    signs = np.sign(w - stop)
+    inconsistent, first = np.sign(_beyond_line(dataset, u, w)) == signs, p.isel(event=0)
+    seized = named(first.event_kind, "seizure") & (first.event_time.values == 0)
+    impulse = seized & (first.event_sign.values == signs)
+    slips = np.where(signs > 0, MotionMode.SLIP_FORWARD_NEGATIVE, MotionMode.SLIP_BACKWARD_POSITIVE)
+    follows = (dataset["mode"].values[0, :, 0] == slips) & ~seized
+    least = dataset.rest_after_seizure.values[seized].min(axis=1)
+    virtual = float(_beyond_line(dataset, float(dataset.equilibrium_angle), 0.0))
+    exists = wrong == 0 and none.any() and two.any() and regular.mean() > 0.9
+    lead = p.pitch_radius * np.tan(p.lead_angle) * p.mass
+    q = lead * (p.coupling_stiffness * p.grid_angle_deviation + p.support_damping * p.grid_velocity_deviation)
+    q = (q + printed_laws.inertia(p, 1) * p.axial_force) * sense  # c_x = 0, s_0 = +1
+    forces = [(np.sign(q / printed_laws.inertia(p, s) / printed_laws.lever(p, s)) * s).values for s in (1, -1)]
+    law, offset = printed_laws.laws(p), p.angle_deviation - p.equilibrium_angle
+    energy = printed_laws.inertia(p, -1) * p.velocity_deviation**2 + p.coupling_stiffness * offset**2
+    within = (law < 0) & (law.shift(sample=1) < 0) & (p.time > p.time.shift(sample=1))
+    falls = (energy < energy.shift(sample=1)).values[within.values]
+    return [
+        newton.laws_check(dataset, "Fig. 8.7"),
+        Check.that("fig8_07.existence", exists, wrong=wrong, regular=regular, none=none, two=two),
+        Check.everywhere("fig8_07.seizes", impulse[inconsistent], "starts"),
+        Check.everywhere("fig8_07.slips", follows[~inconsistent], "starts"),
+        Check.that("fig8_07.may_rest", (least > 0).any(), rests=[f"{1e3 * rest:.3g} ms" for rest in least]),
+        Check.that("fig8_07.opposite", none.any() and all((x[none] < 0).all() for x in forces), none=none),
+        Check.that("fig8_07.falls", falls.size and falls.all(), falls=falls),
+        Check.that("fig8_07.cut_short", virtual > 0, virtual=virtual),
+    ]
+
+
+def _beyond_line(dataset: xr.Dataset, u: Any, w: Any) -> Any:
+    """Distance [rad] of states beyond the line N = 0; it has the sign of Q."""
+    return u - (float(dataset.contact_line_angle[0]) + float(dataset.contact_line_slope[0]) * w)
+
+
+@style.styled
+def draw(dataset: xr.Dataset) -> style.Figure:
+    """Draw the map, hatched without solution, the lines, motions up to their first seizure, the cycle.
+
+    At each corner stand the signs of θ′ and of the contact forces that solve in the sector there.
+    """
+    figure = style.new_figure(style.DOUBLE, 4.2)
+    axes = figure.add_subplot()
+    case = dataset.isel(case=0)
+    # Of each motion what comes before the end of the first seizure into which it slips, and its jump.
+    end = case.event_time.where(named(case.event_kind, "seizure") & (case.event_time > 0), np.inf).min("event")
+    kept = {name: case[name].where(case.time <= end) for name in ("angle_deviation", "velocity_deviation")}
+    case = case.assign(kept | {"event_kind": case.event_kind.where(case.event_time <= end, -1)})
+    u, w = dataset.grid_angle_deviation, dataset.grid_velocity_deviation
+    colour, hatch, _ = _SECTORS["inconsistent"]
+    inside = named(dataset.existence, "inconsistent").T.astype(float)
+    drawing.hatched(axes, u, w, inside, hatch, _HATCH, [colour], zorder=0)
+    drawing.draw_cycle(axes, case, width=1.1)
+    drawing.draw_motions(axes, case)
+    drawing.mark_origin(axes)
+    axes.plot(float(dataset.equilibrium_angle), 0, "*", color=style.BLACK, markersize=8,
+              label="$u_0$, equilibrium of law −")  # fmt: skip
+    axes.set(xlim=u[[0, -1]], ylim=w[[0, -1]])
+    drawing.draw_lines(axes, case)
+    drawing.draw_arrows(axes, case)
+    two = named(dataset.existence, "indeterminate")
+    for i, j in product((0, -1), repeat=2):
+        signs = "><" if float(w[j]) > float(dataset.stop_velocity[0]) else "<>"
+        words = rf"$\dot\theta {signs[0]} 0$: no $N$"
+        if two[i, j]:  # law s holds where N θ′ has the sign s
+            words = rf"$\dot\theta {signs[0]} 0$: $N {signs[1]} 0$ by law −" + f"\n($N {signs[0]} 0$ by law +)"
+        axes.text(0.015 if i == 0 else 0.985, 0.02 if j == 0 else 0.98, words,
+                  transform=axes.transAxes, ha="left" if i == 0 else "right", va="bottom" if j == 0 else "top",
+                  bbox={"facecolor": "white", "linewidth": 0, "pad": 1.5}, fontsize=7, zorder=4)  # fmt: skip
+    drawing.label_axes(axes, dataset)
+    return style.legend(figure, [axes], 1, drawing.patches(_SECTORS.values(), _HATCH), "outside right upper")

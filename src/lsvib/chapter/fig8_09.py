@@ -1,0 +1,107 @@
+"""Figure 8.9: trajectories (a) below and (b) above the critical mass, and the effect of the axial force on (b)."""
+
+import numpy as np
+import xarray as xr
+from pydantic import Field
+
+from lsvib.answers import phase_plane, spans
+from lsvib.answers.analysis import analyse, value
+from lsvib.answers.attributes import CRITICAL_MASS, axis, named, variable
+from lsvib.chapter import newton, printed_laws
+from lsvib.chapter.checks import Check
+from lsvib.chapter.common import about, spread
+from lsvib.chapter.settings import DriveChanges, PhasePlane, PositiveSpan, Values, several
+from lsvib.drives.drive import Drive
+from lsvib.pictures import drawing, style
+
+CAPTION = """\
+Trajectories of the rigid drive (a) below and (b) above the critical mass; triangles on the lines point forward in time.
+Below, the motion decays to steady sliding; above, it seizes (sprag) and slips for ever.
+"""
+
+_SWEEP = "of the last case with another axial force, from the first start"
+
+_PRINTED = ("Sect. 8.6", "Sect. 8.6.1")
+
+
+class Settings(PhasePlane):
+    unused = ("mass",)
+
+    cases: list[DriveChanges] = several(2, 2, "Changes of `drive`, one a panel, the one below the critical mass first.")
+    axial_force: PositiveSpan = Field(description="R [N] over which a check follows the cycle.")
+
+
+def _drives(settings: Values) -> list[Drive]:
+    return [Drive.of(settings["drive"]).replace(**changes) for changes in settings["cases"]]
+
+
+def analysis(settings: Values) -> xr.Dataset:
+    """Analyse both drives: on which side of the critical mass they are."""
+    return analyse(_drives(settings), [("kinematic_constraint", "mass")], ("mass",), _PRINTED)
+
+
+def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
+    """Compute both phase planes, the critical mass and the sensitivity of case (b) to R, which the text leaves out."""
+    from lsvib.drives.many import ManyDrives
+    from lsvib.dynamics.impulses import seizure_impulse
+    from lsvib.dynamics.sweep import all_endings
+
+    drives, critical = _drives(settings), value(analysis.kinematic_constraint_mass)
+    forces = spans.even(settings["axial_force"])
+    planes = phase_plane.portraits(settings, drives, ("mass",), _PRINTED)
+    planes = planes.assign_coords(axis("swept_axial_force", forces) | {"critical_mass": ((), critical, CRITICAL_MASS)})
+    swept = all_endings(ManyDrives({**dict(drives[-1]), "axial_force": forces}), settings["starts"][0])
+    speed, dim = swept.peak_normal_impulse / seizure_impulse(drives[-1], 1.0), "swept_axial_force"
+    speed[speed == 0] = np.nan
+    return planes.assign(
+        {
+            "swept_attractor": phase_plane.attractors(dim, swept.attractor, comment=_SWEEP),
+            "swept_amplitude": variable(dim, swept.amplitude, "rad", phase_plane.AMPLITUDE, comment=_SWEEP),
+            "impact_speed": variable(dim, speed, "rad s-1", "screw speed before a seizure", r"$\dot\theta$"),
+        }
+    ).assign_attrs(about(__doc__, "exact event-driven motion and its return map", "Sect. 8.6.1, Fig. 8.9"))
+
+
+def checks(dataset: xr.Dataset) -> list[Check]:
+    """Check the signs of Γ₊, where the motions end, and that the choice of R does not decide it."""
+    gamma, mass, critical = dataset.effective_inertia_plus.values, dataset.mass.values, float(dataset.critical_mass)
+    sprags, amplitude = named(dataset.attractor, "sprag slip cycle")[1], dataset.amplitude.values[1].ravel()
+    forces, swept = dataset.swept_axial_force, dataset.swept_amplitude
+    speed = dataset.impact_speed.values / float(-dataset.stop_velocity[1])
+    swing, swings = float(np.ptp(speed) / (speed.max() + speed.min())), spread(amplitude)
+    same = named(dataset.swept_attractor, "sprag slip cycle").all() and swing < 0.02
+    sides = gamma[0] > 0 > gamma[1] and mass[0] < critical < mass[1]
+    return [
+        newton.laws_check(dataset, "Fig. 8.9"),
+        Check.that("fig8_09.fold", sides, gamma=gamma, mass=mass, critical=critical),
+        Check.everywhere("fig8_09.decays", named(dataset.attractor, "steady sliding")[0]),
+        *printed_laws.steady_checks(dataset.isel(case=0)),  # c_x = 0
+        printed_laws.stationary_check(dataset.isel(case=0)),
+        Check.that(
+            "fig8_09.sprag_slip", sprags.all() and swings < 1e-12, sprags=sprags, amplitude=amplitude, spread=swings
+        ),
+        Check.that("fig8_09.any_force", same, forces=forces, speed=speed, swept=swept),
+    ]
+
+
+@style.styled
+def draw(dataset: xr.Dataset) -> style.Figure:
+    """Draw (a) and (b) as phase planes."""
+    figure = style.new_figure(style.DOUBLE, 3.7)
+    planes = figure.subplots(1, 2)
+    for index, axes in enumerate(planes):
+        case = dataset.isel(case=index)
+        relation = "<" if float(case.mass) < float(dataset.critical_mass) else ">"
+        drawing.phase_plane(axes, case)
+        left, right = axes.get_xlim()
+        axes.set_xlim(left, right + 0.35 * (right - left))  # room for words beyond the line
+        drawing.draw_lines(axes, case)
+        drawing.draw_arrows(axes, case)
+        # The line N = 0 is steep: beyond m_cr forward slip has N < 0 only.
+        axes.text(0.4, 0.35, "$N < 0$", transform=axes.transAxes, ha="center")
+        words = "no\nsolution" if index else "$N > 0$"
+        axes.text(0.95, 0.875, words, transform=axes.transAxes, ha="right", va="center")
+        title = f"({'ab'[index]}) $m$ = {style.number(case.mass)} kg ${relation} m_\\mathrm{{cr}}$"
+        drawing.label_axes(axes, dataset, title)
+        axes.locator_params(axis="x", nbins=3)
+    return style.legend(figure, planes, 4)

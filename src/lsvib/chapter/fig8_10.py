@@ -1,0 +1,232 @@
+"""Figure 8.10: the sprag–slip cycle with compliant threads, its phase plane and the peaks of its contact force."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+from pydantic import Field
+
+from lsvib.answers import phase_plane, spans
+from lsvib.answers.attributes import Variables, axis, drive_parameters, flagged, named, quantity, start_state, variable
+from lsvib.chapter import impacts, newton
+from lsvib.chapter import settings as of
+from lsvib.chapter.checks import Check
+from lsvib.chapter.common import Motion, SteadyState, about, printed
+from lsvib.drives.chapter import claims
+from lsvib.drives.drive import Drive
+from lsvib.drives.mechanism import seated_state
+from lsvib.drives.model import automaton_of, model_of
+from lsvib.drives.names import COORDINATES
+from lsvib.pictures import drawing, style
+
+CAPTION = """\
+Compliant threads, k_c = c_c = 10⁸ (SI): (a) phase plane beside the rigid drive's cycle; (b) contact force on a broken
+axis, its peaks in kN above and the sliding between them in N below. Not in the chapter: (c) peak (left) and distance to
+the rigid cycle (right) over R, which the text does not state. The dot is the force of (a) and (b), 50 N assumed.
+"""
+
+_PEAK = ("N", "largest normal force on the cycle", "$N$")
+_DISTANCE = (
+    "1", "distance of the compliant from the rigid cycle, in scales of the rigid amplitude and the input speed",
+)  # fmt: skip
+
+
+class Settings(of.DriveFigure):
+    engine = ("planar", "modal")
+    contact_stiffness: of.Stiffness
+    contact_damping: of.ContactDamping
+    start: of.State
+    duration: of.Duration
+    samples: of.Samples
+    axial_force: of.PositiveSpan = Field(description="R [N] over which the dependence on it is shown.")
+
+
+def build(settings: of.Values) -> xr.Dataset:
+    """Compute motion and cycle with compliant threads from a seated contact, the rigid cycle, and the effect of R."""
+    from lsvib.systems.motion import follow
+
+    contact = {key: settings[key] for key in ("contact_stiffness", "contact_damping")}
+    drive, start, samples = Drive.of(settings["drive"], **contact), settings["start"], settings["samples"]
+    cycle, rigid = compliant_cycle(drive, start), phase_plane.reached(drive, start)
+    motion = follow(automaton_of(drive), seated_state(drive, start["u"], start["w"]), settings["duration"])
+    forces, rows, dim, numbers = spans.even(settings["axial_force"]), [], "swept_axial_force", Variables()
+    for pushed in (drive.replace(axial_force=float(force)) for force in forces):
+        swept = compliant_cycle(pushed, start)
+        rows.append((swept.label, *_cycle_values(pushed, swept, phase_plane.reached(pushed, start))))
+    label, peaks, distances = np.array(rows, dtype=float).T
+    for name, steady, words in (("", cycle, ""), ("rigid_", rigid, ", of the rigid drive")):
+        numbers |= {
+            f"{name}attractor": phase_plane.attractors((), steady.label, phase_plane.ATTRACTOR + words),
+            f"{name}amplitude": variable((), steady.amplitude, "rad", phase_plane.AMPLITUDE + words),
+            f"{name}period": variable((), steady.period, "s", phase_plane.PERIOD + words, "$T$"),
+        }
+    peak, distance = _cycle_values(drive, cycle, rigid)
+    return xr.Dataset(
+        _motion(drive, motion, samples)
+        | cycle_curves((), [cycle], samples)
+        | cycle_curves((), [rigid], samples, "rigid_cycle")
+        | numbers
+        | {
+            "peak_normal_force": variable((), peak, *_PEAK),
+            "orbit_distance": variable((), distance, *_DISTANCE),
+            "period_residual": variable((), cycle.residual, "1", "relative change of the section state over a period"),
+            "swept_attractor": phase_plane.attractors(dim, label),
+            "swept_peak_normal_force": variable(dim, peaks, *_PEAK),
+            "swept_orbit_distance": variable(dim, distances, *_DISTANCE),
+        }
+        | impacts.limit(Drive.of(settings["drive"])),
+        coords={
+            **axis("swept_axial_force", forces),
+            **drive_parameters(drive, printed=("Sect. 8.6", "Sect. 8.6.1")),
+            **start_state(start, "with a seated contact: of the motion and of those whose cycles are found"),
+            "printed_peak_normal_force": printed("fig8_10.peak_force", "largest contact force on the cycle"),
+        },
+        attrs=about(__doc__, "exact event-driven motion with four states", "Sect. 8.6.1, Fig. 8.10"),
+    ).set_coords("time")
+
+
+def compliant_cycle(drive: Drive, start: of.Values) -> SteadyState:
+    """Return the attractor of the motion from a seated contact at u [rad], w [rad/s]."""
+    from lsvib.systems.attractor import steady_state
+
+    return steady_state(automaton_of(drive), seated_state(drive, start["u"], start["w"]))
+
+
+def cycle_curves(dims: Sequence[str], cycles: Sequence[SteadyState], count: int, prefix: str = "cycle") -> Variables:
+    """Return cycles as curves in the phase plane, dimensions (*dims, sample), NaN where there is none.
+
+    Time [s] from a point of the cycle, angle and velocity, what else the state has, and the contact force; both states
+    of each event are among the samples.
+    """
+    orbit = next((steady.orbit for steady in cycles if steady.orbit is not None), None)
+    names = (*(orbit.automaton.states[2:] if orbit else ()), "normal_force")
+    table = np.full((len(cycles), 3 + len(names), count), np.nan)
+    for rows, steady in zip(table, cycles, strict=True):
+        if steady.orbit is not None:
+            rows[0], states, modes = phase_plane.sample(steady.orbit, count)
+            rows[1:] = *states.T, steady.orbit.automaton.observe("normal_force", states, modes)
+    (time, u, w, *others), dims = np.moveaxis(table, 1, 0) if dims else table[0], (*dims, f"{prefix}_sample")
+    return {
+        f"{prefix}_time": variable(dims, time, "s", "time along the cycle", "$t$"),
+        **phase_plane.curve(prefix, dims, np.stack([u, w], axis=-1), "on the limit cycle"),
+        **{f"{prefix}_{name}": (dims, x, quantity(name)) for name, x in zip(names, others, strict=True)},
+    }
+
+
+def cycle_motion(dataset: xr.Dataset, prefix: str = "cycle") -> xr.Dataset:
+    """Return cycles of :func:`cycle_curves` under the names of motions, with the parameters of their drives."""
+    names = {"sample": "sample", "time": "time", "angle": "angle_deviation", "velocity": "velocity_deviation"}
+    names |= {name: name for name in (*COORDINATES["threads"], "normal_force")}
+    kept = {f"{prefix}_{own}": name for own, name in names.items() if f"{prefix}_{own}" in dataset.variables}
+    return dataset[[*kept, *(name for name in Drive.model_fields if name in dataset)]].rename(
+        kept | {f"{prefix}_sample": "sample"}
+    )
+
+
+def _motion(drive: Drive, motion: Motion, samples: int) -> Variables:
+    """The compliant motion with its contact force; both states of each event are samples, so every peak is."""
+    times, states, modes = phase_plane.sample(motion, samples)
+    names = ("angle_deviation", "velocity_deviation", *motion.automaton.states[2:])
+    found = dict(zip(names, states.T, strict=True))
+    for name in ("normal_force", "coupling_deflection"):
+        found[name] = motion.automaton.observe(name, states, modes)
+    return {
+        "time": variable("sample", times, "s", "time", "$t$"),
+        **{name: ("sample", values, quantity(name)) for name, values in found.items()},
+        "mode": flagged("sample", motion.automaton.codes[modes], "mode of motion", model_of(drive).modes),
+    }
+
+
+def _cycle_values(drive: Drive, cycle: SteadyState, rigid: SteadyState) -> tuple[float, float]:
+    """Largest |N| [N] on the compliant cycle, and its distance [1] from the rigid one; nan where there is none."""
+    if cycle.orbit is None or rigid.orbit is None:
+        return np.nan, np.nan
+    low, high = cycle.extremes(cycle.orbit.automaton.observables["normal_force"])
+    return max(-low, high), impacts.distance(cycle.orbit, rigid.orbit, (rigid.amplitude, abs(drive.input_speed)))
+
+
+def checks(dataset: xr.Dataset) -> list[Check]:
+    """Check the printed peak force, how little R changes it, and how close the motion stays to the rigid one."""
+    force, peak = dataset.swept_axial_force, dataset.swept_peak_normal_force
+    claim, exact = claims()["fig8_10.peak_force"], float(dataset.peak_normal_force)
+    found = (dataset.swept_attractor, dataset.attractor, dataset.rigid_attractor)
+    sprags = np.hstack([named(attractor, "sprag slip cycle") for attractor in found])
+    numbers = {str(name): float(x) for name, x in dataset.items() if not x.ndim}
+    late = named(dataset["mode"], "rest positive") & (dataset.time.values > 0.5 * float(dataset.time[-1]))
+    highest, residual = float(dataset.normal_force.values[late].max(initial=-np.inf)), numbers["period_residual"]
+    within = abs(peak / claim.value - 1).max() <= claim.tolerance
+    limits = {"percent": 100 * claim.tolerance, "peak": claim.value / 1e3}
+    return [
+        newton.laws_check(dataset, "Fig. 8.10"),
+        newton.laws_check(cycle_motion(dataset, "rigid_cycle"), "Fig. 8.10", "cycle of the rigid drive"),
+        Check.of("fig8_10.peak_force", exact),
+        Check.that("fig8_10.any_force", within, forces=force, peaks=peak / 1e3, **limits),
+        Check.that("fig8_10.close", numbers["orbit_distance"] <= 0.02, near=dataset.swept_orbit_distance, **numbers),
+        Check.that("fig8_10.repeats", sprags.all() and residual <= 1e-9, sprags=sprags, residual=residual),
+        Check.that("fig8_10.resolved", abs(highest / exact - 1) <= 1e-6, highest=highest, exact=exact),
+        *impacts.checks(dataset),
+    ]
+
+
+@style.styled
+def draw(dataset: xr.Dataset) -> style.Figure:
+    """Draw (a) the phase plane, (b) N(t) on a broken axis, (c) peak force, left, and distance, right, over R."""
+    figure = style.new_figure(style.DOUBLE, 3.0)
+    panels = figure.subplot_mosaic([["a", "peaks", "c"], ["a", "sliding", "c"]], width_ratios=(1, 1.15, 0.9))
+    plane, over, start = panels["a"], panels["c"], dataset.isel(sample=0)
+    plane.plot(dataset.angle_deviation, dataset.velocity_deviation, color=style.SKY, linewidth=0.8, label="motion")
+    plane.plot(dataset.rigid_cycle_angle, dataset.rigid_cycle_velocity, color=style.ORANGE, linewidth=2.6,
+               label="cycle of the rigid drive", zorder=2)  # fmt: skip
+    plane.plot(dataset.cycle_angle, dataset.cycle_velocity, color=style.BLUE, linewidth=1.0,
+               label="cycle with compliant threads", zorder=2.1)  # fmt: skip
+    plane.plot(start.angle_deviation, start.velocity_deviation, "o", color=style.SKY, mfc="white", label="start")
+    drawing.mark_origin(plane)
+    drawing.draw_stop(plane, -float(dataset.input_speed))
+    drawing.arrows(plane, [(dataset.cycle_angle.values, dataset.cycle_velocity.values, style.BLUE)])
+    drawing.label_axes(plane, dataset, "(a) phase plane")
+    plane.locator_params(axis="x", nbins=5)
+    _force(panels["peaks"], panels["sliding"], dataset)
+    printed, part = (
+        dataset.printed_peak_normal_force / 1e3,
+        dataset.printed_peak_normal_force.attrs["relative_tolerance"],
+    )
+    force = dataset.swept_axial_force
+    over.axhspan(printed * (1 - part), printed * (1 + part), color=style.VERMILION, alpha=0.15, linewidth=0)
+    over.text(0.97, 0.1, f"{float(printed):g} kN ± {100 * part:g} %", color=style.VERMILION, ha="right", fontsize=6.5,
+              transform=over.transAxes)  # fmt: skip
+    over.plot(force, dataset.swept_peak_normal_force / 1e3, color=style.BLUE)
+    over.plot(dataset.axial_force, dataset.peak_normal_force / 1e3, "o", color=style.BLUE)
+    over.set(title="(c) ours: over $R$", xlabel=f"Axial force {style.label(force, ' ').strip()}")
+    over.set_ylabel("Peak of $N$ [kN]", color=style.BLUE)
+    over.set_xlim(0, float(force[-1]))
+    over.tick_params(axis="y", which="both", right=False)
+    distance = over.twinx()
+    distance.plot(force, 100 * dataset.swept_orbit_distance, color=style.GREEN, linestyle="--")
+    distance.set_ylabel("Distance to rigid cycle [%]", color=style.GREEN)
+    distance.set_ylim(0, None)
+    return style.legend(figure, [plane], 3)
+
+
+def _force(peaks: style.Axes, sliding: style.Axes, dataset: xr.Dataset) -> None:
+    """Contact force over time: the peaks above, sliding below, on the same axis of time; its own axis is broken."""
+    time, printed = dataset.time * 1e3, float(dataset.printed_peak_normal_force) / 1e3
+    for axes, unit, edge, spine in ((peaks, 1e3, 0, "bottom"), (sliding, 1, 1, "top")):
+        axes.plot(time, dataset.normal_force / unit, color=style.BLUE, linewidth=0.8)
+        axes.spines[spine].set_visible(False)
+        axes.set_xlim(0, float(time[-1]))
+        axes.plot([0, 1], [edge, edge], marker=[(-1, -0.6), (1, 0.6)], markersize=7, linestyle="none", mew=0.8,
+                  color=style.BLACK, transform=axes.transAxes, clip_on=False, zorder=10)  # fmt: skip
+    peaks.axhline(printed, color=style.VERMILION, linestyle="--", linewidth=0.9)
+    peaks.text(0.99, 0.97, f"{printed:g} kN, printed", color=style.VERMILION, ha="right", va="top", fontsize=7,
+               transform=peaks.transAxes)  # fmt: skip
+    sliding.axhline(0, color=style.GREY, linewidth=0.6)
+    peaks.set(title="(b) contact force", ylim=(0, 1.06 * _top(dataset)))
+    peaks.set_ylabel("$N$ [kN]")
+    sliding.set(ylim=(-60.0, 160.0), xlabel="Time $t$ [ms]", ylabel="$N$ [N]")
+    peaks.tick_params(labelbottom=False, bottom=False, top=False)
+    sliding.tick_params(top=False)
+
+
+def _top(dataset: xr.Dataset) -> float:
+    """Upper end of an axis of the force [kN]: a little above the printed peak and what is drawn."""
+    return 1.15e-3 * max(float(dataset.printed_peak_normal_force), float(dataset.normal_force.max()))

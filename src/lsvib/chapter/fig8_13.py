@@ -1,0 +1,134 @@
+"""Figure 8.13: with softer contacts the motion is smoother, and the coupling deflection turns positive in sprag."""
+
+import numpy as np
+import xarray as xr
+
+from lsvib.answers import phase_plane
+from lsvib.answers.attributes import drive_parameters, named, start_state, variable
+from lsvib.chapter import newton
+from lsvib.chapter.checks import Check
+from lsvib.chapter.common import CRITICAL_MASS_WITH_CONTACT, SteadyState, about, critical_mass_with_contact
+from lsvib.chapter.fig8_10 import compliant_cycle, cycle_curves, cycle_motion
+from lsvib.chapter.settings import Contact, DriveFigure, Samples, State, Values, several
+from lsvib.drives import chapter
+from lsvib.drives.drive import Drive
+from lsvib.drives.mechanics import coefficients
+from lsvib.pictures import drawing, style
+
+CAPTION = """\
+Softer contacts (assumed values): (a) cycles, (b) coupling deflection. The drives have the same mass, 11 kg, but stand
+at different distances beyond their thresholds: steady sliding is lost at 9.65, 7.44 and 3.77 kg with these contacts, at
+10.11 kg with a rigid one (see contact_stability).
+"""
+
+_CONTACT = ("contact_stiffness", "contact_damping")
+_NUMBERS = {
+    "largest_deflection": ("rad", "largest coupling deflection on the cycle", "$z$"),
+    "sprag_deflection": ("rad", "largest coupling deflection during sprag", "$z$"),
+    "largest_acceleration": ("rad s-2", "largest angular acceleration on the cycle", r"$|\ddot\theta|$"),
+    "period": ("s", "period of the steady vibration", "$T$"),
+    "period_residual": ("1", "relative change of the section state over a period"),
+}
+_COLOURS = (style.BLUE, style.ORANGE, style.VERMILION, style.GREEN)
+_DASHES = ("-", (0, (5, 1.5)), (0, (3, 1, 1, 1)), (0, (1, 1)))
+
+
+class Settings(DriveFigure):
+    engine = ("planar", "modal")
+    contacts: list[Contact] = several(2, 4, "Contacts whose cycles are drawn, the stiffest first.")
+    start: State
+    samples: Samples
+
+
+def build(settings: Values) -> xr.Dataset:
+    """Compute the cycles of a few contacts."""
+    drive, start = Drive.of(chapter.PARTS["threads"] | settings["drive"]), settings["start"]
+    contacts = [drive.replace(**contact) for contact in settings["contacts"]]
+    cycles = [compliant_cycle(contact, start) for contact in contacts]
+    numbers = np.array([_numbers(cycle) for cycle in cycles]).T
+    steady, critical = float(coefficients(drive).deflection), [critical_mass_with_contact(c) for c in contacts]
+    return xr.Dataset(
+        cycle_curves(("contact",), cycles, settings["samples"])
+        | cycle_curves((), [phase_plane.reached(drive, start)], settings["samples"], "rigid_cycle")
+        | {"attractor": phase_plane.attractors("contact", [cycle.label for cycle in cycles])}
+        | {name: variable("contact", x, *words) for (name, words), x in zip(_NUMBERS.items(), numbers, strict=True)},
+        coords={
+            **drive_parameters(contacts, "contact", along=_CONTACT, printed=("Sect. 8.6", "Sect. 8.6.1")),
+            **start_state(start, "with a seated contact: of the motions whose cycles are found"),
+            "critical_mass_with_contact": variable("contact", critical, *CRITICAL_MASS_WITH_CONTACT),
+            "steady_deflection": variable((), steady, "rad", "coupling deflection in steady sliding", "$z_0$"),
+        },
+        attrs=about(__doc__, "exact event-driven motion with four states", "Sect. 8.6.1, Fig. 8.13"),
+    )
+
+
+def _numbers(steady: SteadyState) -> list[float]:
+    """The values of ``_NUMBERS`` of one attractor; nan without a cycle."""
+    from lsvib.systems.attractor import orbit_extremes
+
+    if steady.orbit is None:
+        return [np.nan] * len(_NUMBERS)
+    automaton = steady.orbit.automaton
+    deflection = automaton.observables["coupling_deflection"]
+    sprags = automaton.marked(automaton.codes, "jam")
+    return [
+        steady.extremes(deflection)[1],
+        orbit_extremes(steady.orbit, deflection, sprags)[1],
+        max(map(abs, steady.extremes(automaton.tables.flow.field[:, 1]))),
+        steady.period,
+        steady.residual,
+    ]
+
+
+def checks(dataset: xr.Dataset) -> list[Check]:
+    """Check that softer contacts give smoother cycles, and that with the softest the deflection turns positive."""
+    deflection, sprag = dataset.largest_deflection.values, dataset.sprag_deflection.values
+    fastest, critical = dataset.largest_acceleration.values, dataset.critical_mass_with_contact.values
+    sprags, residual = named(dataset.attractor, "sprag slip cycle"), float(dataset.period_residual.max())
+    mass = float(dataset.mass)
+    lasts = {"sprag": sprag[-1], "whole": deflection[-1]}
+    during = sprag[-1] > 0 and abs(sprag[-1] - deflection[-1]) <= 1e-12
+    below = (critical < mass).all() and (np.diff(critical) < 0).all()
+    return [
+        newton.laws_check(cycle_motion(dataset), "Sect. 8.6.1, Fig. 8.13", "cycle"),
+        newton.laws_check(cycle_motion(dataset, "rigid_cycle"), "Sect. 8.6.1, Fig. 8.13", "cycle of the rigid drive"),
+        Check.that("fig8_13.repeats", sprags.all() and residual <= 1e-9, sprags=sprags, residual=residual),
+        Check.that("fig8_13.critical_mass", below, mass=mass, critical=critical),
+        Check.that("fig8_13.smoother", (np.diff(fastest) < 0).all(), times=1e6 * float(dataset.input_speed) / fastest),
+        Check.that("fig8_13.positive", deflection[-1] > 0 > deflection[:-1].max(), largest=deflection),
+        Check.that("fig8_13.during_sprag", during, **lasts),
+    ]
+
+
+@style.styled
+def draw(dataset: xr.Dataset) -> style.Figure:
+    """Draw (a) the cycles and (b) z over a period, which lasts from one standstill of the screw to the next."""
+    figure = style.new_figure(style.DOUBLE, 3.4)
+    plane, deflection = figure.subplots(1, 2)
+    cycles: list[drawing.DrawnLine] = []
+    steady = float(dataset.steady_deflection)
+    contacts = (dataset.isel(contact=k) for k in dataset.contact.values)
+    for one, colour, dashes in zip(contacts, _COLOURS, _DASHES, strict=False):
+        stiffness, damping = (style.number(float(one[name])) for name in _CONTACT)
+        critical = f"$m_\\mathrm{{cr}}$ = {float(one.critical_mass_with_contact):.2f} kg"
+        time, angle = one.cycle_time.values, one.cycle_angle.values
+        cycles.append((angle, one.cycle_velocity.values, colour))
+        plane.plot(*cycles[-1][:2], color=colour, linestyle=dashes,
+                   label=f"$k_c$ = {stiffness} N m⁻¹, $c_c$ = {damping} N s m⁻¹, {critical}")  # fmt: skip
+        lowest = np.argmin(angle)
+        turned = np.concatenate([time[lowest:] - time[lowest], time[:lowest] + time[-1] - time[lowest]])
+        deflection.plot(turned / float(one.period), np.roll(angle, -lowest) + steady, color=colour, linestyle=dashes)
+    plane.plot(dataset.rigid_cycle_angle, dataset.rigid_cycle_velocity, color=style.BLACK, linewidth=0.9,
+               linestyle=(0, (4, 2)), label="rigid drive")  # fmt: skip
+    plane.axvline(-steady, color=style.GREEN, linewidth=0.9, linestyle=":")
+    plane.text(-steady, 0.45, " $z = 0$", color=style.GREEN, fontsize=7, transform=plane.get_xaxis_transform())
+    plane.locator_params(axis="x", nbins=5)
+    drawing.mark_origin(plane)
+    plane.margins(0.06)
+    drawing.arrows(plane, cycles)
+    labels = style.label(dataset.cycle_angle, "deviation"), style.label(dataset.cycle_velocity, "rate")
+    style.frame(plane, "(a) phase plane", *labels)
+    deflection.axhline(0, color=style.GREEN, linewidth=0.9, linestyle=":")
+    words = "Time after the smallest $z$ / period", "Coupling deflection $z$ [rad]"
+    style.frame(deflection, "(b) coupling deflection over a period", *words, xlim=(0, 1))
+    return style.legend(figure, [plane, deflection], 2)

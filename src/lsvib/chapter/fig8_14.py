@@ -1,0 +1,337 @@
+"""Figure 8.14: region of attraction under a negative axial force, for both readings of the mass.
+
+The text states m = 10 kg, for which Γ₊ > 0, but Sect. 8.7 assumes Γ₊ < 0: the same two forces are also computed for
+a mass beyond m_cr.
+
+Beyond m_cr seizures accumulate in the corner θ′ = 0 = Q, as the chapter reads its rule of resuming. With the line N = 0
+as u = u_0 + σ (u′ + Ω), σ < 0, and the acceleration −a, a reverse slip from a distance d lasts d / (Ω + |σ| a) to first
+order, so the distances fall with the ratio q = |σ| a / (Ω + |σ| a): infinitely many seizures in finite time.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+from pydantic import Field
+
+from lsvib.answers import phase_plane, spans
+from lsvib.answers.analysis import analyse, value
+from lsvib.answers.attributes import Variables, attributes, axis, flag_names, flags, named, variable
+from lsvib.chapter import newton
+from lsvib.chapter.checks import Check
+from lsvib.chapter.common import Motion, about, spread
+from lsvib.chapter.settings import Cells, MassPair, OpposingForces, PhasePlane, Values
+from lsvib.drives.drive import Drive
+from lsvib.drives.mechanics import coefficients
+from lsvib.drives.names import RULES, Event, MotionMode, Resume
+from lsvib.pictures import drawing, style
+
+CAPTION = """\
+Trajectories under a negative axial force, c = 1e-3 N m s/rad, (a) for R = −50 N and (b) for R = −10 N, as in the
+chapter, whose mass of 10 kg gives no limit cycle in (b). Not in the chapter: (c), (d) the same for m = 11 kg, beyond
+the critical mass as Sect. 8.7 assumes, where (d) has the limit cycle. Shaded are starts by the attractor of their
+motion, as the mapper of the region of attraction finds it. If motion resumes at once after a seizure, as in the
+chapter, seizures follow each other without end in the corner of (c) and (d) in which N = 0 and θ′ = 0 meet, which is
+reached in finite time; drawn are motions that resume by the sign of the contact force. See docs/physics.md.
+"""
+
+_CHANGED = ("mass", "axial_force")  # in which the cases differ
+_PRINTED = ("Fig. 8.14", "Sect. 8.6")
+_DISTANCES = np.concatenate([[0.0], np.geomspace(1e-4, 2.0, 60)])  # rad; the cycles of the figure are 0.1 rad wide
+_FORCES = np.linspace(-40.0, -0.5, 80)  # N, over which the area of the basin is computed
+_ROUNDING = 16 * np.finfo(float).eps  # of the corner: a few rounding errors of u and of the line N = 0
+_STARTS = {  # colour of the starts by their attractor
+    "steady sliding": ("#E4F4E8", "starts that steady sliding attracts"),
+    "sprag slip cycle": ("#CCCCCC", "starts that the cycle attracts"),
+}
+
+
+class Settings(PhasePlane):
+    unused = ("mass", "axial_force")
+
+    masses: MassPair = Field(description="Mass as printed, and mass beyond the critical one [kg].")
+    axial_forces: OpposingForces = Field(description="Axial forces of panels (a) and (b) [N].")
+    angle: Cells = Field(description="Deviations u of the starts whose attractor is found [rad].")
+    velocity: Cells = Field(description="Rates of those starts w [rad/s].")
+
+
+def _drives(settings: Values) -> list[Drive]:
+    drive = Drive.of(settings["drive"])
+    return [drive.replace(mass=m, axial_force=r) for m in settings["masses"] for r in settings["axial_forces"]]
+
+
+def analysis(settings: Values) -> xr.Dataset:
+    """Analyse the four drives; beyond m_cr they have a force of global stability."""
+    return analyse(_drives(settings), [("global_stability", "axial_force")], _CHANGED, _PRINTED)
+
+
+def maps(settings: Values) -> xr.Dataset:
+    """Map the starts of the four drives to their attractors."""
+    from lsvib.answers.map import grids_of
+
+    return grids_of(_drives(settings), settings["angle"], settings["velocity"])
+
+
+def build(settings: Values, analysis: xr.Dataset, maps: xr.Dataset) -> xr.Dataset:
+    """Compute the four phase planes, mass by mass and force by force, and what Sect. 8.7 says of them."""
+    drives, threshold = _drives(settings), value(analysis.global_stability_axial_force, -1)
+    below = "distance of the start below the corner, at standstill"
+    planes = phase_plane.portraits(settings, drives, _CHANGED, _PRINTED).assign_coords(
+        {
+            **{name: maps[name].variable for name in ("grid_angle_deviation", "grid_velocity_deviation")},
+            "corner_distance": variable("corner_distance", _DISTANCES, "rad", below),
+            "global_stability_force": variable(
+                (), threshold, "N", phase_plane.GLOBAL_STABILITY, "$R$", comment="of the last two cases, beyond m_cr"
+            ),
+        }
+    )
+    return planes.assign(
+        _reverse_slips(drives, settings["starts"][-1], settings["duration"])
+        | _corners(drives)
+        | _first_events(drives, maps, settings["duration"])
+        | _basins(drives, settings, threshold)
+        | {"grid_attractor": maps.grid_attractor.variable}
+    ).assign_attrs(about(__doc__, "exact event-driven motion and its return map", "Sect. 8.7, Fig. 8.14"))
+
+
+def _first_events(drives: Sequence[Drive], maps: xr.Dataset, duration: float) -> Variables:
+    """Of motions from some cells of the map: what happens at once, if anything, the rate after it, and later events.
+
+    A rest counts as a later event even if it begins at once.
+    """
+    places = {f"grid_{name}_deviation": maps[f"grid_{name}_deviation"] for name in ("angle", "velocity")}
+    few = maps.isel({name: spans.evenly_chosen(axis.size, 16) for name, axis in places.items()})
+    few = few.stack(probe=list(places), create_index=False)
+    u, w = (few[name].values for name in places)
+    first, rate, later = (np.full((len(drives), u.size), value) for value in (-1, np.nan, 0))
+    for case, probe in np.ndindex(first.shape):
+        motion = phase_plane.followed(drives[case], [u[probe], w[probe]], duration)
+        at_once = motion.time == 0
+        if at_once.any():
+            first[case, probe], rate[case, probe] = motion.kind[0], motion.after[0, 1]
+        rests = motion.automaton.codes[motion.mode[at_once]] == MotionMode.REST
+        later[case, probe] = (~at_once).sum() + rests.sum()
+    dims, when, about_first = ("case", "probe"), "of the motion from the cell", flags(Event, none=True)
+    return {
+        **phase_plane.curve("probe", "probe", np.transpose([u, w]), "of a cell of the map"),
+        "probe_attractor": phase_plane.attractors(dims, few.grid_attractor.transpose(*dims).values),
+        "probe_event": (dims, first.astype(np.int8), attributes("1", f"event at once {when}", **about_first)),
+        "probe_velocity_after": variable(dims, rate, "rad s-1", f"rate of the deviation after that event {when}"),
+        "probe_later_events": variable(dims, later, "1", f"number of later events and rests {when}"),
+    }
+
+
+def _corners(drives: Sequence[Drive]) -> Variables:
+    """The corner of the lines N = 0 and θ′ = 0, and where the motions from standstill below it end."""
+    corners, ends = [_corner(d) for d in drives], []
+    for drive, corner in zip(drives, corners, strict=True):
+        starts = [{"u": corner - x, "w": -drive.input_speed} for x in _DISTANCES]
+        ends.append([[phase_plane.reached(drive, start, rule).label for start in starts] for rule in RULES])
+    where = "deviation at which the lines N = 0 and theta' = 0 meet, as printed"
+    words = "attractor of the motion from standstill so far below the corner"
+    return {
+        "corner_angle": variable("case", corners, "rad", where, "$u_0$"),
+        "corner_attractor": phase_plane.attractors(("case", "rule", "corner_distance"), ends, words),
+    }
+
+
+def _basins(drives: Sequence[Drive], settings: Values, threshold: float) -> Variables:
+    """The share of the window that settles, and the area over the force, also beside a threshold, in closed form."""
+    from lsvib.dynamics.boundary import basin
+
+    window = {x: (settings[name]["start"], settings[name]["stop"]) for x, name in (("u", "angle"), ("w", "velocity"))}
+    forces = np.unique([*_FORCES, threshold * (1 - 1e-6), threshold * (1 + 1e-6)])
+    areas = [basin(drives[-1].replace(axial_force=force)).area() for force in forces.tolist()]
+    shares, words = [basin(drive).fraction(window) for drive in drives], "area of the basin, infinite without a bound"
+    return {
+        "basin_fraction": variable("case", shares, "1", "fraction of the window that steady sliding attracts, exact"),
+        **axis("swept_axial_force", forces),
+        "basin_area": variable("swept_axial_force", areas, "rad2 s-1", words),
+    }
+
+
+def _corner(drive: Drive) -> float:
+    """Return u_0 = c Ω / k − Γ₋ R / (k m r_m tan λ) [rad], R < 0 and Ω > 0 (Sect. 8.7)."""
+    c, p = coefficients(drive), drive.exact()
+    lever = p.coupling_stiffness * p.mass * p.pitch_radius * p.tan_lead
+    return float(p.support_damping * p.input_speed / p.coupling_stiffness - c.gamma[-1] * p.axial_force / lever)
+
+
+def _reverse_slips(drives: Sequence[Drive], start: Values, duration: float) -> Variables:
+    """The seizures before the first release, and the limits of their ratio (text above).
+
+    That ratio [1], and the length [rad] over which the acceleration changes by all of it, are missing where Γ₊ > 0.
+    """
+
+    def until_release(drive: Drive, rule: Resume) -> Motion:
+        """The motion up to its first release, or all of it."""
+        whole = phase_plane.followed(drive, [start["u"], start["w"]], duration, rule)
+        released = whole.time[whole.kind == Event.RELEASE].tolist()
+        return phase_plane.followed(drive, [start["u"], start["w"]], released[0], rule) if released else whole
+
+    motions = [[until_release(drive, rule) for rule in RULES] for drive in drives]
+    longest = max(1, *((motion.kind == Event.SEIZURE).sum() for row in motions for motion in row))
+    away, limits = np.full((len(drives), len(RULES), longest), np.nan), np.full((2, len(drives)), np.nan)
+    for i, (drive, row) in enumerate(zip(drives, motions, strict=True)):
+        c, corner = coefficients(drive), _corner(drive)
+        for j, motion in enumerate(row):
+            here = motion.kind == Event.SEIZURE
+            away[i, j, : here.sum()] = motion.before[here, 0] - corner
+        if c.gamma[1] <= 0:
+            length = corner - float(c.damping[-1]) * drive.input_speed / drive.coupling_stiffness
+            gain = float(c.q_row[1] / c.q_row[0]) * drive.coupling_stiffness * length / float(c.gamma[-1])  # |σ| a
+            limits[:, i] = gain / (drive.input_speed + gain), length
+    dims, words = ("case", "rule", "seizure"), "distance of the seizure from the corner of N = 0 and theta' = 0"
+    limit = "limit of the ratio of successive distances, by resuming at once"
+    over = "acceleration from rest in the corner over its derivative along theta' = 0"
+    return {
+        "seizure_distance": variable(dims, away, "rad", words, "$u - u_0$"),
+        "seizure_ratio": variable("case", limits[0], "1", limit, "$q$"),
+        "acceleration_length": variable("case", limits[1], "rad", over),
+    }
+
+
+def checks(dataset: xr.Dataset) -> list[Check]:
+    """Check (a) and (b) for both readings of the mass, and the threshold of global stability between them.
+
+    All starts at standstill up to the corner, beyond m_cr: the end of Sect. 8.7.
+    """
+    mass, gamma, force = dataset.mass.values, dataset.effective_inertia_plus.values, dataset.axial_force.values
+    sides = (gamma[:2] > 0).all() and (gamma[2:] < 0).all()
+    threshold = float(dataset.global_stability_force)
+    first, second = settles = named(dataset.corner_attractor, "steady sliding")[2:]
+    starts = {"starts": settles.shape[2], "first": first.sum(axis=1), "second": second.sum(axis=1)}
+    return [
+        newton.laws_check(dataset, "8.22, Fig. 8.14"),
+        Check.that("fig8_14.inertia", sides, gamma=gamma, mass=mass),
+        _attractor_check(dataset.isel(case=0), "fig8_14.settles", "steady sliding", " (as printed)"),
+        _attractor_check(dataset.isel(case=2), "fig8_14.settles", "steady sliding"),
+        _attractor_check(dataset.isel(case=1), "fig8_14.no_cycle", "steady sliding"),
+        _attractor_check(dataset.isel(case=3), "fig8_14.cycle", "sprag slip cycle"),
+        *_event_checks(dataset.isel(case=[2, 3])),
+        Check.that("fig8_14.corner", first.all() and not second.all(axis=1).any(), **starts),
+        Check.that("fig8_14.between", force[2] < threshold < force[3], threshold=threshold),
+        *_basin_checks(dataset, threshold),
+        *_accumulation_checks(dataset.isel(case=np.isfinite(dataset.seizure_ratio.values))),
+    ]
+
+
+def _attractor_check(case: xr.Dataset, id: str, expected: str, reading: str = "") -> Check:
+    """Check that the motions drawn of a case reach one attractor, and all others reach it or the origin.
+
+    Those that settle in (a) also meet N = 0 after their start.
+    """
+    grid, amplitude = named(case.grid_attractor, "steady sliding"), case.amplitude.values
+    drawn, others = (named(labels, expected) for labels in (case.attractor, case.grid_attractor))
+    touches = (named(case.event_kind, "seizure", "contact reversal") & (case.event_time.values > 0)).sum(axis=1)
+    holds = drawn.all() and np.ptp(amplitude) <= 1e-12 * amplitude.max() and (grid | others).all()
+    holds = holds and (touches.min() > 0 or id != "fig8_14.settles")
+    words = {"touches": " and ".join(map(str, touches)), "attractors": _names(case.attractor), "reading": reading}
+    numbers = {"mass": case.mass, "force": case.axial_force, "grid": grid, "amplitude": amplitude}
+    return Check.that(id, holds, **words, **numbers)
+
+
+def _event_checks(heavy: xr.Dataset) -> list[Check]:
+    """Check beyond m_cr what Sect. 8.7 says of starts, by the signs of N under law − and of θ′, and of N = 0."""
+    first, u, w = xr.broadcast(heavy.probe_event, heavy.probe_angle, heavy.probe_velocity)
+    positive = u - heavy.contact_line_slope * w > heavy.contact_line_angle  # Q, and N under law −
+    stop = heavy.stop_velocity
+    forward = w > stop
+    jumps = first.copy(data=named(first, "seizure")) & (heavy.probe_velocity_after == stop)
+    origin = jumps.copy(data=named(heavy.probe_attractor, "steady sliding"))
+    alone, back = ~positive & forward & (heavy.probe_later_events == 0), ~positive & ~forward & (w < stop)
+    straight = ((heavy.probe_later_events == 0) & origin).where(back)
+    arrivals = heavy.event_kind.copy(data=named(heavy.event_kind, "seizure"))
+    after, of = heavy.event_velocity_deviation_after, "starts"
+    forces = zip(straight, heavy.axial_force, strict=True)
+    counted = [f"{int(x.sum())} of {int(x.count())} starts at R = {float(r):g} N" for x, r in forces]
+    reversals = named(heavy.event_kind, "contact reversal")
+    stops = not reversals.any() and arrivals.any() and (after == stop).where(arrivals, True).all()
+    return [
+        Check.everywhere("fig8_14.stops", jumps.values[(positive & forward).values], of),
+        Check.everywhere("fig8_14.stops_backwards", jumps.values[back.values], of),
+        Check.that("fig8_14.some_starts", not straight.where(back, True).all(), counted=counted),
+        Check.everywhere("fig8_14.origin", origin.values[alone.values], of),
+        Check.that("fig8_14.seizes", stops, arrivals=arrivals, reversals=reversals),
+    ]
+
+
+def _basin_checks(dataset: xr.Dataset, threshold: float) -> list[Check]:
+    """Check the size of the basin, over the force and in the window, and the threshold by Newton's laws."""
+    area, force, readings = (dataset[x].values for x in ("basin_area", "swept_axial_force", "basin_fraction"))
+    bounded, local = np.isfinite(area), area[force >= threshold]
+    below, above, scaled = ~bounded[force < threshold], bounded[force >= threshold], spread((area / force**2)[bounded])
+    exactly = below.size and below.all() and above.size and above.all()
+    return [
+        newton.touching_check(dataset.isel(case=3), -1, threshold, "Force of global stability"),
+        Check.that("fig8_14.force", exactly, threshold=threshold, below=below, above=above),
+        Check.that("fig8_14.local", above.size and above.all() and local.min() > 0, area=local),
+        Check.that("fig8_14.square", scaled < 1e-12 and local.size > 1, forces=local.size, spread=scaled),
+        Check.that("fig8_14.small", 0 < readings[3] < 0.01, percent=100 * readings[3]),
+        Check.that("fig8_14.readings", (readings[:3] == 1).all() and readings[3] < 1, readings=readings),
+    ]
+
+
+def _accumulation_checks(heavy: xr.Dataset) -> list[Check]:
+    """Check that the seizures accumulate under the chapter's reading, and are few under the other.
+
+    How far a ratio is off is counted in what is allowed.
+    """
+    few, many = np.isfinite(heavy.seizure_distance.values).sum(axis=-1).T
+    excess, ends, words = [], [], []
+    for part in (heavy.isel(case=k) for k in range(len(few))):
+        ratio, length = float(part.seizure_ratio), float(part.acceleration_length)
+        distance = part.seizure_distance[1].dropna("seizure").values
+        rounding = _ROUNDING * abs(float(part.corner_angle))
+        clear = distance[1:] > rounding
+        allowed = distance[:-1] / length + rounding / np.maximum(distance[1:], rounding)
+        off = np.abs(distance[1:] / distance[:-1] / ratio - 1)
+        excess.append(float(np.max((off / allowed)[clear], initial=0.0)) if clear.sum() > 1 else np.inf)
+        ends.append(distance[-1])
+        close = np.argmin(np.where(clear, off, np.inf))
+        words.append(
+            f"R = {float(part.axial_force):g} N: {distance.size} seizures, ratio "
+            f"{distance[close + 1] / distance[close]:.7g} against {ratio:.7g}, the last at {distance[-1]:.1e} rad"
+        )
+    gap = max(ends) / float(heavy.corner_angle.min())
+    return [
+        Check.that("fig8_14.accumulate", max(excess) <= 1, motions="; ".join(words), most=max(excess)),
+        Check.that("fig8_14.in_corner", abs(gap) < 1e-12, gap=gap),
+        Check.that("fig8_14.few", (few < many).all(), few=" and ".join(map(str, few)), many=many),
+    ]
+
+
+def _names(labels: xr.DataArray) -> str:
+    words = flag_names(labels)
+    return " and ".join(sorted({words[label] for label in labels.values.ravel()}))
+
+
+@style.styled
+def draw(dataset: xr.Dataset) -> style.Figure:
+    """Draw four phase planes, printed mass above, one beyond m_cr below."""
+    figure = style.new_figure(style.DOUBLE, 5.9)
+    panels = figure.subplots(2, 2, sharex=True, sharey=True).ravel()
+    cases = [dataset.isel(case=index) for index in range(4)]
+    for axes, case, letter in zip(panels, cases, "abcd", strict=True):
+        _region(axes, case)
+        drawing.phase_plane(axes, case, (2.2, 1.0, 1.0, 1.0))  # the first motion shows on both sides of a later one
+        note, ours = ("as printed", "") if letter in "ab" else ("$m > m_\\mathrm{cr}$", "ours: ")
+        force, mass = style.number(case.axial_force), style.number(case.mass)
+        drawing.label_axes(axes, dataset, f"({letter}) {ours}$R$ = {force} N, $m$ = {mass} kg, {note}")
+    edges = np.array([dataset[f"grid_{name}_deviation"].values[[0, -1]] for name in ("angle", "velocity")])
+    panels[0].axis(np.ravel(edges + 0.06 * np.ptp(edges, axis=1, keepdims=True) * [-1, 1]))  # all motions begin there
+    for axes, case in zip(panels, cases, strict=True):
+        drawing.draw_lines(axes, case)
+        drawing.guide(axes, case)
+        axes.label_outer()
+    return style.legend(figure, panels, 4, [patch for axes in panels for patch in axes.patches])
+
+
+def _region(axes: style.Axes, case: xr.Dataset) -> None:
+    """Shade the starts by the attractor of their motion."""
+    labels, names = case.grid_attractor, flag_names(case.grid_attractor)
+    looks = {name: _STARTS.get(name, (style.PURPLE, f"starts that lead to {name}")) for name in names.values()}
+    colours = {name: colour for name, (colour, _) in looks.items()}
+    drawing.regions(axes, case.grid_angle_deviation, case.grid_velocity_deviation, labels.T, colours, zorder=0)
+    for colour, words in (looks[names[flag]] for flag in np.unique(labels).tolist()):
+        axes.fill([], [], color=colour, label=words)

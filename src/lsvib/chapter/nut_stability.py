@@ -1,0 +1,199 @@
+"""Rotating nut: critical mass against the inertia of the nut (Remark 8.6), and the stability map of (8.33)."""
+
+import numpy as np
+import xarray as xr
+from pydantic import Field
+
+from lsvib.answers import attributes as cf
+from lsvib.answers import spans
+from lsvib.chapter import newton, printed_laws
+from lsvib.chapter.checks import Check
+from lsvib.chapter.common import about, over_map, thinned
+from lsvib.chapter.settings import DriveFigure, PositiveSpan, Span, Values
+from lsvib.drives import chapter
+from lsvib.drives.drive import Drive
+from lsvib.drives.mechanics import coefficients, effective_inertia, together
+from lsvib.errors import InputError
+from lsvib.pictures import drawing, style
+from lsvib.stability.boundaries import place_values
+from lsvib.stability.spectrum import UndampedClass, eigenvalues, polynomial, reciprocal_squares, undamped_class
+
+CAPTION = """\
+Steady sliding with a rotating nut (drive of Table 8.1, force with the motion; mass and nut assumed): (a) the critical
+mass over the moment of inertia of the nut, by (8.33) and by eigenvalues, below that of the rigid drive (Remark 8.6);
+(b) the classes by eigenvalues over friction coefficient and inertia of the nut, with the boundary (8.33). There is
+neither flutter nor divergence.
+"""
+
+_COLOURS = {"stable": "#FFFFFF", "kinematic constraint": "#F7D9C4", "flutter": style.SKY, "divergence": style.BLUE}
+
+
+class Settings(DriveFigure):
+    engine = ()
+    unused = ("axial_force", "coupling_stiffness", "input_speed", "support_damping", "translation_damping")
+
+    nut_inertia: PositiveSpan = Field(description="I_2 [kg m2], spaced logarithmically.")
+    friction_coefficient: Span = Field(description="mu, from zero or more.")
+
+
+def build(settings: Values) -> xr.Dataset:
+    """Compute the critical mass over the nut's inertia, in closed form and by eigenvalues, and the classes; c_x = 0."""
+    drive = Drive.of(chapter.PARTS["nut"] | settings["drive"])
+    inertia = spans.logarithmic(settings["nut_inertia"])
+    without = drive.replace(**dict.fromkeys(chapter.PARTS["nut"]))
+    nuts = [drive.replace(nut_inertia=float(value)) for value in inertia]
+    masses = [place_values(one, "kinematic_constraint", "mass") for one in (without, *nuts)]
+    if not all(masses):
+        raise InputError("The drive is not self-locking (mu <= tan lambda), so it has no critical mass.")
+    rigid, *closed = (least for least, *_ in masses)
+    friction = spans.even(settings["friction_coefficient"])
+    drive.replace(friction_coefficient=float(friction.max()))  # refuses what is beyond cot λ
+    passing = _passing(dict(drive) | {"nut_inertia": inertia}, rigid)
+    grid = {**dict(drive), "friction_coefficient": friction[:, None], "nut_inertia": inertia}
+    kinds, plane = undamped_class(grid, law=1), ("friction_coefficient", "nut_inertia")
+    holds = "friction coefficient from which on (8.33) holds, missing if from none"
+    own, drawn, closed_form = drive.friction_coefficient, "drawn_friction_coefficient", "critical mass, in closed form"
+    origin, deflection = cf.origin_of("friction_coefficient", own), float(coefficients(drive).deflection)
+    by, mu = "critical mass, where an eigenvalue 1/omega^2 passes through zero", _boundary_friction(drive, inertia)
+    return xr.Dataset(
+        {
+            "critical_mass_with_nut": cf.variable("nut_inertia", closed, "kg", closed_form, r"$m_\mathrm{cr}$"),
+            "critical_mass_with_nut_by_eigenvalues": cf.variable("nut_inertia", passing, "kg", by, r"$m_\mathrm{cr}$"),
+            "stability": cf.flagged(plane, kinds, "class of the steady sliding", UndampedClass, comment="undamped"),
+        },
+        coords={
+            "critical_friction_with_nut": cf.variable("nut_inertia", mu, "1", holds, r"$\mu$"),
+            **cf.varied(nut_inertia=inertia, friction_coefficient=friction),
+            "critical_mass": ((), rigid, cf.CRITICAL_MASS),
+            drawn: ((), own, cf.parameter(drawn, origin, comment="of the critical masses")),
+            "steady_deflection": cf.variable((), deflection, "rad", "coupling deflection in steady sliding", "$z_0$"),
+            **cf.drive_parameters(
+                drive,
+                axes=plane,
+                printed=("Sect. 8.6",),
+                no_effect=("input_speed", "axial_force", "slide_friction", "bearing_friction"),
+            ),
+        },
+        attrs=about(
+            __doc__,
+            "generalised eigenvalues of the matrices of Sect. 8.8.2, condition (8.33) in closed form",
+            "Sect. 8.8.2, eq. 8.33, Remarks 8.5 and 8.6; docs/lemmas.md",
+            comment="R Omega > 0; the dampings enter only where a check repeats the classes with damping",
+        ),
+    )
+
+
+def _passing(nuts: Values, rigid: float) -> np.ndarray:
+    """Where the product of both 1/ω² changes its sign between zero and the rigid one, to the last bit [kg]."""
+    low, high = np.zeros(nuts["nut_inertia"].size), np.full(nuts["nut_inertia"].size, rigid)
+    while ((low < (middle := (low + high) / 2)) & (middle < high)).any():
+        passed = ~(np.prod(np.sign(reciprocal_squares({**nuts, "mass": middle}, law=1).real), axis=-1) > 0)
+        low, high = np.where(passed, low, middle), np.where(passed, middle, high)
+    return high
+
+
+def _reduced(p: Values) -> tuple[np.ndarray, np.ndarray]:
+    """Of drives with a nut, I_eff = I I_2 / (I + I_2) and Γ_0 of law + with it, negative where (8.33) holds [kg m²]."""
+    tangent, mu = np.tan(p["lead_angle"]), p["friction_coefficient"]
+    screw, factor = together(p["screw_inertia"], p["nut_inertia"]), (mu - tangent) / (1 + mu * tangent)
+    return screw, effective_inertia(screw, p["mass"], p["pitch_radius"], tangent, factor)
+
+
+def _boundary_friction(drive: Drive, inertia: np.ndarray) -> np.ndarray:
+    """μ = (ξ + tan λ) / (1 − ξ tan λ) with ξ = I_eff / (tan λ m r_m²), where I_eff = q; NaN if not below cot λ."""
+    tangent = np.tan(drive.lead_angle)
+    xi = together(drive.screw_inertia, inertia) / (tangent * drive.mass * drive.pitch_radius**2)
+    below = (xi * tangent < 1) & ((xi + tangent) * tangent < 1 - xi * tangent)
+    with np.errstate(divide="ignore"):
+        return np.where(below, (xi + tangent) / (1 - xi * tangent), np.nan)
+
+
+def checks(dataset: xr.Dataset) -> list[Check]:
+    """Check the map against (8.33) and det M_0, with damping too, the critical mass, and the printed deflections.
+
+    The critical mass against Remark 8.6, by eigenvalues, and for a light and a heavy nut; the deflections of steady
+    sliding by the force and the friction of the threads alone.
+    """
+    drive = newton.parameters(dataset)
+    inertia, rigid = dataset.nut_inertia.values, float(dataset.critical_mass)
+    mass, passing = dataset.critical_mass_with_nut.values, dataset.critical_mass_with_nut_by_eigenvalues.values
+    factor = mass / rigid * (drive["screw_inertia"] + inertia) / inertia
+    lowers = (np.diff(mass) > 0).all() and mass[-1] < rigid < mass[-1] * (1 + 0.01)
+    p = dataset.drop_vars("friction_coefficient").rename(drawn_friction_coefficient="friction_coefficient")
+    printed_moment = float(p.pitch_radius * printed_laws.factor(p, 1) * p.axial_force)  # R Ω > 0, F_0 = T_0 = 0
+    force, (mu, angle) = p.axial_force / printed_laws.lever(p, 1), (p.friction_coefficient, p.lead_angle)
+    turns = float(p.pitch_radius * force * (mu * np.cos(angle) - np.sin(angle)))  # the nut, and brakes the screw
+    on_screw = float(-p.coupling_stiffness * p.steady_deflection - p.support_damping * p.input_speed)
+    plus, minus = (abs(on_screw - sign * printed_moment) / turns for sign in (1, -1))  # k_2 θ_20 = ± r_m ξ_0 R
+    return [
+        *_class_checks(dataset, drive),
+        Check.of("nut_stability.lowered", factor, expected=1.0),
+        Check.of("nut_stability.eigenvalues", passing / mass, expected=1.0),
+        Check.that("nut_stability.light", lowers, masses=mass, rigid=rigid),
+        Check.of("nut_stability.deflection", on_screw / turns, expected=1.0),
+        Check.that("nut_stability.balance", plus < 1e-12 < minus, plus=plus, minus=minus),
+    ]
+
+
+def _class_checks(dataset: xr.Dataset, drive: Values) -> list[Check]:
+    """Check the classes by (8.33), its boundary in closed form, the printed inertia matrix and LAPACK with damping."""
+    grid = over_map(dataset, drive)
+    screw, reduced = _reduced(grid)
+    clear = np.abs(reduced) > 1e-9 * screw  # closer to (8.33) rounding may decide
+    kinematic, other = (cf.named(dataset.stability, *x) for x in (["kinematic constraint"], ["flutter", "divergence"]))
+    part = thinned(dataset.assign(clear=(dataset.stability.dims, clear)), 40)
+    wrong = int(np.sum(clear & (kinematic != (reduced < 0))))
+    grows = eigenvalues(over_map(part, drive), law=1)[..., -1].real > 0
+    differ = part.clear.values & (grows != cf.named(part.stability, "kinematic constraint"))
+    opposite = np.sum(clear & ((polynomial(grid, law=1)[0] < 0) != kinematic))
+    edge, friction = dataset.critical_friction_with_nut.values, dataset.friction_coefficient.values[:, None]
+    off = np.sum(clear & (kinematic != (friction > edge)))  # no edge: none
+    on_edge = {**drive, "friction_coefficient": edge, "nut_inertia": dataset.nut_inertia.values}
+    screw, reduced = _reduced(on_edge)
+    left = float(np.nanmax(np.abs(reduced) / screw))
+    holds = wrong == 0 and 0 < kinematic.sum() < kinematic.size
+    return [
+        Check.that("nut_stability.classes", holds, wrong=wrong, clear=clear, kinematic=kinematic),
+        Check.everywhere("nut_stability.no_other", ~other, "points"),
+        Check.without_exception("nut_stability.determinant", opposite, clear.sum()),
+        Check.without_exception("nut_stability.damped", differ.sum(), part.clear.sum()),
+        Check.without_exception("nut_stability.boundary", off, clear.sum()),
+        Check.that("nut_stability.equality", left < 1e-12, left=left, edge=np.isfinite(edge)),
+    ]
+
+
+@style.styled
+def draw(dataset: xr.Dataset) -> style.Figure:
+    """Draw (a) the critical mass over the inertia of the nut and (b) the classes over that and the friction."""
+    figure = style.new_figure(style.DOUBLE, 3.5)
+    mass, plane = figure.subplots(1, 2)
+    rigid, inertia, screw = float(dataset.critical_mass), dataset.nut_inertia, float(dataset.screw_inertia)
+    some = dataset.isel(nut_inertia=np.linspace(0, inertia.size - 1, 12).astype(int))
+    mass.plot(inertia, dataset.critical_mass_with_nut, color=style.BLUE, label="boundary by (8.33)")
+    mass.plot(some.nut_inertia, some.critical_mass_with_nut_by_eigenvalues, "o", color=style.VERMILION, zorder=3,
+              label="by eigenvalues", clip_on=False)  # fmt: skip
+    shade = {"color": _COLOURS["kinematic constraint"], "linewidth": 0}
+    mass.fill_between(inertia, dataset.critical_mass_with_nut, 1.15 * rigid, **shade)
+    mass.axhline(rigid, color=style.GREY, linewidth=0.9, linestyle="--")
+    mass.annotate(f"nut that cannot turn: {rigid:.3f} kg", (0.03, rigid), (0, 3), color="#505050", fontsize=6.5,
+                  xycoords=mass.get_yaxis_transform(), textcoords="offset points")  # fmt: skip
+    mass.axvline(screw, 0, 0.82, color=style.BLACK, linewidth=0.6, linestyle=":")
+    mass.text(screw, 0.06, " $I_2 = I$", fontsize=7.5, transform=mass.get_xaxis_transform())
+    friction, drawn = dataset.friction_coefficient, float(dataset.drawn_friction_coefficient)
+    title = rf"(a) critical mass, $\mu$ = {style.number(drawn)}"
+    style.frame(mass, title, inertia, "Critical mass $m_\\mathrm{cr}$ [kg]", xscale="log", ylim=(0, 1.15 * rigid))
+    mass.set_xlim(inertia[[0, -1]])
+    drawing.regions(plane, friction, inertia, dataset.stability.T, _COLOURS)
+    plane.plot(dataset.critical_friction_with_nut, inertia, color=style.BLUE)
+    tangent = float(np.tan(dataset.lead_angle))
+    plane.axvline(tangent, color=style.BLACK, linewidth=0.6, linestyle=":")
+    plane.axvline(drawn, color=style.GREY, linewidth=0.9, linestyle="--")
+    look = {"fontsize": 6.5, "va": "top", "transform": plane.get_xaxis_transform()}
+    plane.text(tangent, 0.94, r"$\mu = \tan\lambda$ ", ha="right", **look)
+    plane.text(drawn, 0.94, rf" {drawn:g} of (a)", color="#505050", **look)
+    limits = {"xlim": friction[[0, -1]], "ylim": inertia[[0, -1]]}
+    title = f"(b) classes, $m$ = {style.number(dataset.mass)} kg"
+    style.frame(plane, title, friction, inertia, yscale="log", **limits)
+    words = {"kinematic constraint": "unstable: kinematic constraint", "stable": "stable"}
+    patches = drawing.patches(((_COLOURS[name], None, label) for name, label in words.items()), style.GREY)
+    return style.legend(figure, [mass, plane], 4, patches)

@@ -1,1 +1,0 @@
-"""Datasets: sampling, attributes, checks, provenance, files, tiles."""

@@ -1,0 +1,179 @@
+"""The modes of a drive whose friction depends on the sliding speed.
+
+Under a friction law the sign of Γ₊ depends on the sliding speed. Below an interval in which Γ₊ > 0 lies the Painlevé
+*band*: where law + comes to the end of it, the threads seize. What follows a seizure at a speed above the interval,
+where friction has grown beyond all use, is not determined, and a motion that comes there has no branch. The friction of
+a body that slides on its own is refused: while it holds, the force that is left is no affine function of the state.
+"""
+
+import math
+from dataclasses import replace
+from functools import cache
+from typing import Any
+
+import numpy as np
+from flint import arb
+
+from lsvib.drives import friction, sliding
+from lsvib.drives.command import Command, one_after_the_other
+from lsvib.drives.drive import Drive, once
+from lsvib.drives.mechanism import Mechanism, seated
+from lsvib.drives.modes import Modes
+from lsvib.drives.names import DIRECTIONS, Event, Key, Resume
+from lsvib.errors import InputError
+from lsvib.systems.automaton import Automaton, Branch, Guard, Mode, Transition, assemble
+from lsvib.systems.exact.arithmetic import Row, double, many_digits, sign
+from lsvib.systems.exact.taylor_form import Split
+from lsvib.systems.kernels.layout import Test
+
+
+class LawModes(Modes):
+    """The modes of a drive under a friction law; arguments as of ``Modes``."""
+
+    in_series = True
+
+    def _speeds_without_paradox(self) -> tuple[Any, Any]:
+        inertia, mass = self.m.effective()
+        inertia = inertia - self.m.reach * self.m.d.collar * self.m.d.pitch_radius * mass
+        level = sliding.critical_coefficient(inertia, self.m.d, mass)
+        found = sliding.of_law(sliding.speeds_below, self.m.d, level)
+        if found.shape[-2] == 0:
+            return math.inf, math.inf
+        low, high = (found[..., 0, end][()] for end in (0, 1))
+        if self.m.compliant:  # the growing force brings motions to slow sliding
+            return (math.inf if sign(low) else 0.0), math.inf
+        if found.shape[-2] > 1:
+            raise InputError(
+                "friction leaves the Painlevé region in two ranges of speed, with the region between them; such drives "
+                "are not followed."
+            )
+        return low, high
+
+    def _refuse(self) -> None:
+        for name in self.m.own:
+            raise InputError(
+                f"{self._given(name)} is not followed where friction of the threads depends on speed; leave friction "
+                f"of the {name} out, or stribeck_rise and friction_slope at zero."
+            )
+
+    def _parts(self, modes: dict[str, Mode], seen: dict[str, dict[str, Row]]) -> dict[str, dict[str, Row]]:
+        """Put the friction law into the modes that slip, and into what is seen of them, in place.
+
+        Returns the rows of the observables that count η times, by name and mode.
+        """
+        parts: dict[str, dict[str, Row]] = {
+            name: dict.fromkeys(modes, self.m.constant(0)) for name in ("normal_force", "axial_contact_force")
+        }
+        pieces = sliding.of_law(sliding.pieces_of, self.m.d)
+        laws = {self.name(key): key for key in self.slips}
+        if self.paradox and sign(np.isfinite(self.low) * 1.0):
+            laws |= self._band(modes)
+        split_of = cache(self._split)
+        for name, key in laws.items():
+            d, q, _ = key
+            split, without, more = split_of(*self._known(key)[:2])
+            row = sliding.speed_row(d, self.m.slip, self.m.d)
+            modes[name] = replace(modes[name], flow=split.mode(row, pieces))
+            seen[name] = without
+            for observable in parts:
+                parts[observable][name] = more[observable]
+            if sign(np.isfinite(self.high) * 1.0) and d * q > 0:
+                self._bound(modes, name, f"beyond_{DIRECTIONS[d]}", d, self.high, -1, "beyond")
+                self.transitions["beyond"] = Transition(())
+        self._divide(modes, seen, parts)
+        return parts
+
+    def _split(self, d: int, law: int) -> tuple[Split, dict[str, Row], dict[str, Row]]:
+        """The field of slip as friction divides it, what is seen of it without friction, and what counts η times."""
+        t = self.m.d.tan_lead
+        probe = t / 2 if sign(t - 1) < 0 else 1 / (2 * t)  # with which Γ_s > 0 under both laws, whatever the masses
+        free, rubbed = (self.m.solve(d, law, (), mu) for mu in (0 * t, probe))
+        without, pressed = self._observed(free), self._observed(rubbed)
+        split = Split.of(free.field, free.normal, rubbed.field, rubbed.normal, probe)
+        forces = ("normal_force", "axial_contact_force")
+        return split, without, {name: split.part(without[name], pressed[name]) for name in forces}
+
+    def _bound(
+        self, modes: dict[str, Mode], name: str, surface: str, d: int, speed: Any, side: int, leads: str
+    ) -> None:
+        """Let a mode lie above (``side`` 1) or below a sliding speed [m/s]."""
+        row = sliding.speed_row(d, self.m.slip, self.m.d)
+        guard = self._guard(surface, (*row[:-1], row[-1] - speed), side, leads, self.m.place.get("nut", 0) + 1)
+        modes[name] = replace(modes[name], guards=(*modes[name].guards, guard))
+
+    def _band(self, modes: dict[str, Mode]) -> dict[str, Key]:
+        """Add to the modes of the Painlevé region those above the band, where Γ₊ > 0; returns what they are."""
+        starts, found, low = [], dict[str, Key](), self.low
+        for d in DIRECTIONS:
+            minus, plus_name = self.name((d, -d, ())), self.name((d, d, ()))
+            fast, where, surface = f"{minus}_fast", DIRECTIONS[d], modes[minus].guards[0].surface
+            reversals = f"contact_reversal_{plus_name}", f"contact_reversal_{fast}"
+            guards = (Guard(surface, d, reversals[0]),), (Guard(surface, -d, reversals[1]),)
+            modes[plus_name] = Mode(self.codes[plus_name], None, guards[0])
+            modes[fast] = Mode(self.codes[minus], None, guards[1])
+            found |= {plus_name: (d, d, ()), fast: (d, -d, ())}
+            self.transitions[reversals[0]] = Transition((Branch(fast, Event.CONTACT_REVERSAL, sign=-d),))
+            self.transitions[reversals[1]] = Transition((Branch(plus_name, Event.CONTACT_REVERSAL, sign=d),))
+            self.transitions[f"slower_{where}"] = Transition((Branch(minus, Event.PASSAGE),))
+            self.transitions[f"faster_{where}"] = Transition((Branch(fast, Event.PASSAGE),))
+            self._bound(modes, minus, f"band_{where}", d, low, -1, f"faster_{where}")
+            self._bound(modes, fast, f"band_{where}", d, low, 1, f"slower_{where}")
+            # Before Γ₊ = 0 the deceleration grows without bound, and what is left of the time as the square of the
+            # distance: here it is below rounding. Nearer to it, the rounding of Γ₊ itself makes steps short.
+            self._bound(modes, plus_name, f"jam_{where}", d, low * (1 + 3e-9), 1, f"contact_{minus}")
+            above = self.surfaces[f"jam_{where}"].row, Test.POSITIVE
+            starts.append(Branch(plus_name, Event.RELEASE, (above, *self._carries(d, d, ()))))
+            starts.append(Branch(fast, Event.RELEASE, (above,)))
+        self.transitions["entry"] = Transition((*starts, *self.transitions["entry"].branches))
+        return found
+
+    def _divide(
+        self, modes: dict[str, Mode], seen: dict[str, dict[str, Row]], parts: dict[str, dict[str, Row]]
+    ) -> None:
+        """Divide the mode of steady sliding where θ′ passes Ω, unless there is none or the commanded speed changes."""
+        m = self.m
+        if m.command or not m.turning:
+            return
+        steady = self.name((m.turning, m.steady_law * m.turning, ()))
+        if f"{steady}_fast" in modes and sign(double(friction.steady_speed(m.d)) - self.low) > 0:
+            steady += "_fast"
+        if steady not in modes:
+            return
+        sliding.divided(steady, Event.PASSAGE, modes, self.transitions, self.surfaces, seated(m))
+        half = f"{steady}_slow"
+        seen[half] = seen[steady]
+        for of_mode in parts.values():
+            of_mode[half] = of_mode[steady]
+
+
+@once
+def automaton_of_parts(drive: Drive, resume: Resume, rest: bool) -> Automaton:
+    """Return the automaton of a drive; without ``rest`` that of slip in the direction of the motor alone.
+
+    Raises ``InputError`` where a dry friction leaves the motion undetermined, ``EngineError`` if the rates of a mode
+    cannot be separated in double precision.
+    """
+    with many_digits():
+        modes = modes_of(drive.exact(), drive.parts, resume)
+        return modes.automaton() if rest else modes.without_rest()
+
+
+@once
+def automaton_under_command(drive: Drive, command: Command, resume: Resume) -> Automaton:
+    """Return the automaton of a drive whose commanded speed changes, with modes of its own for each piece of that.
+
+    The clock, the last state, begins anew in each piece, so that no digits of Ω(t) are lost late.
+    """
+    with many_digits():
+        d = drive.exact()
+        pieces = [(modes_of(d, drive.parts, resume, (arb(s), arb(a))), x) for x, s, a in command.pieces()]
+        return assemble(**one_after_the_other([(modes.layout(), duration) for modes, duration in pieces]))
+
+
+def modes_of(
+    d: Any, parts: tuple[str, ...], resume: Resume = "contact_sign", command: tuple[arb, arb] | None = None
+) -> Modes:
+    """Return the modes of a drive from its parameters as balls, or of many from arrays; see ``Mechanism``."""
+    if not friction.depends_on_speed(d):
+        return Modes(Mechanism(d, parts, d.steady_friction, command), resume)
+    return LawModes(Mechanism(d, parts, friction.coefficient(d, 0 * d.pitch_radius), command), resume)

@@ -1,0 +1,159 @@
+"""What the layers above ask of a drive: its :class:`Model`, made from the parts that it has.
+
+A drive has a screw on a coupling, rigid threads and a load; what else there may be – an axial support, a nut that may
+turn, compliant threads – are *parts* (:mod:`lsvib.drives.mechanism`), and any of them can be there. What is known of a
+drive with certain parts alone, above all of the rigid drive (eqs 8.13–8.33), stands in one module each and is chosen by
+the parts.
+"""
+
+from collections.abc import Mapping
+from enum import IntEnum
+from functools import cache, cached_property
+from typing import TYPE_CHECKING, cast
+
+import numpy as np
+
+from lsvib.drives import thresholds
+from lsvib.drives.command import Command
+from lsvib.drives.drive import DRY, PARTS, Drive
+from lsvib.drives.friction import depends_on_speed
+from lsvib.drives.mechanism import seated_state, standing_state
+from lsvib.drives.names import COORDINATES, Event, Resume, mode_names, own_frictions, sides_of_rest
+from lsvib.errors import InputError
+
+if TYPE_CHECKING:  # a scene can be read and refused without the engine
+    from lsvib.systems.automaton import Automaton
+
+QUANTITIES = {  # long name, unit and symbol of what changes with time
+    "angle_deviation": ("deviation of the coupling deflection from steady sliding", "rad", "$u$"),
+    "velocity_deviation": ("rate of the deviation from steady sliding", "rad s-1", r"$\dot u$"),
+    "normal_force": ("normal force of the threads", "N", "$N$"),
+    "axial_contact_force": ("axial force that the threads carry", "N", "$n$"),
+    "coupling_torque": ("torque of the coupling", "N m", "$T_r$"),
+    "coupling_deflection": ("coupling deflection", "rad", "$z$"),
+    "commanded_speed": ("commanded angular speed", "rad s-1", r"$\Omega(t)$"),
+    "screw_speed": ("angular speed of the screw", "rad s-1", r"$\dot\theta$"),
+    "nut_speed": ("speed of the nut along the axis", "m s-1", r"$\dot x$"),
+    "motor_angle": ("angle of the motor from the commanded motion, less that of steady sliding", "rad", r"$\theta_m$"),
+    "motor_rate": ("angular speed of the motor less input_speed", "rad s-1", r"$\dot\theta_m$"),
+    "thread_mismatch": ("mismatch of nut and screw along the axis", "m", "$e$"),
+    "mismatch_rate": ("rate of the mismatch of nut and screw", "m s-1", r"$\dot e$"),
+    "screw_shift": ("axial shift of the screw from steady sliding", "m", "$y$"),
+    "shift_rate": ("rate of the axial shift of the screw", "m s-1", r"$\dot y$"),
+    "nut_angle": ("angle of the nut from steady sliding", "rad", r"$\varphi$"),
+    "nut_rate": ("angular speed of the nut", "rad s-1", r"$\dot\varphi$"),
+}
+_EQUATIONS = {"threads": "eqs 8.6, 8.7", "support": "eqs 8.23-8.32", "nut": "Sect. 5.8, eq. 8.33"}
+_CONSTRAINT = {
+    (): "Γ₊ = I − ξ₊ tan λ m r_m² = 0 (eq. 8.20)",
+    ("motor",): "Γ₊ = I − ξ₊ tan λ m r_m² = 0 (eq. 8.20)",
+    ("threads",): "Γ₊ = I − ξ₊ tan λ m r_m² = 0, the limit of stiff threads (eq. 8.20, Lemma 8.1)",
+    ("support",): "Γ̃₊ = I − ξ₊ tan λ m̃ r_m² = 0 with m̃ = m m_1 / (m + m_1) (eqs 8.27, 8.28)",
+    ("nut",): "Γ̂₊ = I I_2 / (I + I_2) − ξ₊ tan λ m r_m² = 0 (eq. 8.33)",
+}
+
+
+class Model:
+    """What can be said of all drives with certain ``parts``, in the order of :data:`COORDINATES`.
+
+    ``rigid``: whether they are rigid drives of the chapter, without parts and without friction against the ground.
+
+    A start gives u [rad] and w [rad/s], the keys ``required``, and may give those of ``optional``, one for each of the
+    further coordinates among ``states``; ``keys`` are both. ``modes`` and ``events`` name the codes of datasets.
+    ``terms`` are the parameters that a scene may leave out (then they must be zero), ``options`` the other words that
+    its ``physics`` may hold, ``outputs`` its observables.
+
+    ``constraint`` is the equation of the kinematic constraint in words; ``thresholds`` are the names of those that can
+    be solved for a parameter (of two states there is no flutter), ``curves`` those of the exact curves in its charts; a
+    drive without any has no charts. ``equations`` are the numbers of its equations in the book.
+    """
+
+    required = ("u", "w")
+    events = Event
+
+    def __init__(self, parts: tuple[str, ...], dry: tuple[str, ...]) -> None:
+        self.parts, self.dry = parts, dry
+        self.rigid, self.compliant = not (parts or dry), "threads" in parts
+        self.states = tuple(name for part in ("screw", *parts) for name in COORDINATES[part])
+        short = {"thread_mismatch": "e", "mismatch_rate": "v"}
+        self.optional = tuple(short.get(name, name) for name in self.states[len(self.required) :])
+        self.keys = (*self.required, *self.optional)
+        dampers = (PARTS[part][-1] for part in parts)
+        self.terms: tuple[str, ...] = ("support_damping", "translation_damping", "axial_force", *dampers, *dry)
+        self.options = () if parts else ("rest",)
+        self.outputs: tuple[str, ...] = ("normal_force", "coupling_torque", "coupling_deflection", "screw_speed")
+        self.outputs += () if self.rigid else ("axial_contact_force", "nut_speed")
+        self.equations = ", ".join(_EQUATIONS[part] for part in parts if part in _EQUATIONS) or "eqs 8.13-8.17"
+        general = "Γ₊ = I_eff − ξ₊ tan λ m_eff r_m² = 0 with the reduced inertia and mass (eqs 8.20, 8.28, 8.33)"
+        self.constraint = _CONSTRAINT.get(parts, general)
+        names = thresholds.names(self.rigid)
+        self.thresholds = names if parts else tuple(name for name in names if name != "flutter")
+        self.curves: tuple[str, ...] = ("flutter",) if parts == ("threads",) else ()
+        if self.rigid:
+            self.curves = thresholds.names(rigid=True, drawn=True)
+
+    @cached_property
+    def modes(self) -> type[IntEnum]:
+        """The codes of modes."""
+        names = mode_names(own_frictions(self.parts, self.dry), sides_of_rest(self.parts))
+        codes = {name.upper(): code for code, name in enumerate(names)}
+        return cast(type[IntEnum], IntEnum("MotionMode", codes))
+
+    def from_rest(self, drive: Drive) -> dict[str, float]:
+        """Return the start at which the screw stands with the coupling relaxed while the motor begins to turn at Ω."""
+        return dict(zip(self.keys, standing_state(drive).tolist(), strict=True))
+
+    def physics_of(self, drive: Drive) -> tuple[str, ...]:
+        """Return the words of all that a drive has: its terms that are not zero, and the options."""
+        return (*(term for term in self.terms if getattr(drive, term) != 0), *self.options)
+
+    def initial_state(self, drive: Drive, values: Mapping[str, float]) -> np.ndarray:
+        """Return the state of a start, else as in steady sliding; ``InputError`` if a key is missing or not known."""
+        if not set(self.required) <= set(values) <= set(self.keys):
+            optional = f", and may have {' and '.join(self.optional)}" if self.optional else ""
+            raise InputError(
+                f"start has the keys {', '.join(values) or 'none'}; it needs {' and '.join(self.required)}{optional}."
+            )
+        state = seated_state(drive, values["u"], values["w"]) if self.compliant else np.zeros(len(self.states))
+        given = [values.get(key) for key in self.keys]
+        return np.array([x if value is None else value for value, x in zip(given, state, strict=True)], dtype=float)
+
+
+_of_parts = cache(Model)
+
+
+def model_of(drive: Drive) -> Model:
+    """Return what can be said of a drive by its parts.
+
+    >>> model_of(Drive(contact_stiffness=1e8)).states
+    ('angle_deviation', 'velocity_deviation', 'thread_mismatch', 'mismatch_rate')
+    """
+    return _of_parts(drive.parts, tuple(name for name in DRY if getattr(drive, name)))
+
+
+def automaton_of(
+    drive: Drive, resume: Resume = "contact_sign", command: Command | None = None, rest: bool = True
+) -> "Automaton":
+    """Return the automaton of a drive, also under a command, or without ``rest`` where its motion does not reach it.
+
+    Raises ``InputError`` for a rule of resuming that is known of the rigid drive only, and as
+    :func:`lsvib.drives.law_modes.automaton_of_parts` does.
+    """
+    from lsvib.drives.law_modes import automaton_of_parts, automaton_under_command
+    from lsvib.drives.mechanics import coefficients
+
+    if resume != "contact_sign" and not drive.rigid:
+        raise InputError(f"resume = {resume!r} is known of the rigid drive only; others know contact_sign.")
+    evenly = drive.rigid and drive.input_speed and not (command or depends_on_speed(drive))
+    if not rest and not (evenly and not coefficients(drive).paradox):
+        raise InputError(
+            "physics leaves out rest, which only a rigid drive below its critical mass may do, if its motor turns "
+            "evenly and friction does not depend on the speed; list rest."
+        )
+    return automaton_under_command(drive, command, resume) if command else automaton_of_parts(drive, resume, rest)
+
+
+def coordinates() -> dict[str, str]:
+    """Return the names that the coordinates of all parts have in automata and datasets, by the keys of a start."""
+    whole = Model(tuple(PARTS), ())
+    return dict(zip(whole.keys, whole.states, strict=True))

@@ -1,0 +1,133 @@
+r"""How large a perturbation steady sliding tolerates, and how much of a window settles: from the boundary of the basin.
+
+A perturbation moves the drive from steady sliding to a deviation (u, w) at once. It is tolerated if that lies in the
+basin; the smallest that is not ends on the boundary, and all smaller ones are tolerated: along u = 0 and w = 0 up
+to the nearest crossing, by energy E = k u² / 2 + J w² / 2, J = I + m r_m² tan² λ, to the nearest point (docs/basin.md).
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from lsvib.drives.drive import Drive
+from lsvib.drives.model import automaton_of
+from lsvib.dynamics.boundary import AttractsNothing, Basin, basin
+from lsvib.numbers import bisected
+from lsvib.systems.curves import Arc, Part, Piece, Window, passes, sign_changes, state_on, states_on
+from lsvib.systems.flow import Flow
+
+_SAMPLES = 400  # of an arc under a friction law, between which the energy is taken to have no two extrema
+
+
+@dataclass(frozen=True)
+class Resilience:
+    """The perturbations that steady sliding tolerates; infinite where all, under a law up to 10⁵ Ω; zero if none.
+
+    ``boundary`` of its basin in words, or ``neutral`` or ``unstable`` where there is no basin; largest tolerated
+    perturbation of the deflection ``angle`` [rad] alone, of the ``speed`` [rad/s] alone, and by ``energy`` [J], which
+    is reached first at ``state`` (u [rad], w [rad/s]), nan if there is none; ``fraction`` [1] of the ``window`` that
+    settles, nan without a window.
+    """
+
+    boundary: str
+    angle: float
+    speed: float
+    energy: float
+    state: tuple[float, float]
+    fraction: float
+    window: Window | None = None
+
+    def to_json(self) -> dict[str, Any]:
+        """Return plain numbers and names; None stands for what is infinite or not a number."""
+        found = asdict(self) | {"window": None if self.window is None else self.window._asdict()}
+        found = {name: None if isinstance(x, float) and not math.isfinite(x) else x for name, x in found.items()}
+        return found | {"state": [x if math.isfinite(x) else None for x in self.state]}
+
+
+def resilience(drive: Drive, window: Part | None = None) -> Resilience:
+    """Return the perturbations that the steady sliding of a rigid drive tolerates.
+
+    Arguments: drive; a ``window`` of the phase plane. Raises ``InputError`` and ``EngineError`` where the basin is not
+    covered (:func:`lsvib.dynamics.boundary.basin`).
+    """
+    window = None if window is None else Window.of(window)
+    share, nowhere = (math.nan if window is None else 1.0), (math.nan, math.nan)
+    everything = (math.inf, math.inf, math.inf, nowhere, share, window)
+    if drive.rigid and automaton_of(drive).contracts and drive.support_damping > 0:
+        return Resilience("none", *everything)  # every motion settles, however slowly: no boundary is looked for
+    try:
+        region = basin(drive)
+    except AttractsNothing as nothing:
+        return Resilience("neutral" if nothing.neutral else "unstable", 0.0, 0.0, 0.0, (0.0, 0.0), 0.0 * share, window)
+    if not region.curves:
+        return Resilience(region.boundary.name.lower(), *everything)
+    energy, state = least_energy(region)
+    return Resilience(
+        boundary=region.boundary.name.lower(),
+        angle=largest_tolerated(region, 0),
+        speed=largest_tolerated(region, 1),
+        energy=energy,
+        state=state,
+        fraction=math.nan if window is None else region.fraction(window),
+        window=window,
+    )
+
+
+def largest_tolerated(region: Basin, coordinate: int) -> float:
+    """Return the largest tolerated perturbation of one coordinate (0: u [rad], 1: w [rad/s]) as a size, or infinity.
+
+    It is the crossing of the boundary that lies nearest to the origin, where the other coordinate is zero.
+    """
+    pieces = [piece for curve in region.curves for piece in curve]
+    found = (abs(place) for piece in pieces for _, place in passes(region.flow, piece, 1 - coordinate, 0.0))
+    return min(found, default=math.inf)
+
+
+def least_energy(region: Basin) -> tuple[float, tuple[float, float]]:
+    """Return the energy [J] up to which all perturbations are tolerated, and where (u [rad], w [rad/s]) one is not."""
+    drive = region.drive
+    lever = drive.pitch_radius * math.tan(drive.lead_angle)
+    stiffness, inertia = drive.coupling_stiffness, drive.screw_inertia + drive.mass * lever**2
+    best = math.inf, (math.nan, math.nan)
+    for piece in (piece for curve in region.curves for piece in curve):
+        for u, w in _candidates(region.flow, piece, stiffness, inertia):
+            best = min(best, (0.5 * stiffness * u * u + 0.5 * inertia * w * w, (float(u), float(w))))
+    return float(best[0]), best[1]
+
+
+def _candidates(flow: Flow, piece: Piece, stiffness: float, inertia: float) -> Iterator[np.ndarray]:
+    """States on a piece among which the energy is smallest."""
+    if isinstance(piece, Arc):
+        yield from (piece.start, piece.end)
+        times = sign_changes(flow, piece, np.array([0.0, 1.0, 0.0])) + _stationary(flow, piece, stiffness, inertia)
+        yield from (state_on(flow, piece, time) for time in times)
+    elif piece.start[0] == piece.end[0]:  # it may begin or end at infinity
+        low, high = sorted((piece.start[1], piece.end[1]))
+        yield np.array([piece.start[0], min(max(0.0, low), high)])
+    else:
+        way, metric = piece.end - piece.start, np.array([stiffness, inertia])
+        share = -float((metric * piece.start) @ way) / float((metric * way) @ way)
+        yield piece.start + min(max(share, 0.0), 1.0) * way
+
+
+def _stationary(flow: Flow, arc: Arc, stiffness: float, inertia: float) -> list[float]:
+    """Times [s] on an arc at which k u + J w′ = E′ / w changes its sign; of a friction law as seen by samples."""
+    way = flow.field[arc.mode, 0, 1]  # of time: u′ = ±w
+    if not flow.by_speed:
+        return sign_changes(flow, arc, np.array([stiffness, 0, 0]) + way * inertia * flow.field[arc.mode, 1])
+
+    def rate(times: Any) -> np.ndarray:
+        """k u + J w′ at times [s] of the arc."""
+        states = states_on(flow, arc, times)
+        whole = np.column_stack([states, np.ones(len(states))])
+        force = flow.share(states, np.full(len(states), arc.mode)) * (whole @ flow.tables.contact[arc.mode])
+        pushed = whole @ flow.field[arc.mode, 1] + flow.tables.push[arc.mode, 1] * force
+        return np.asarray(stiffness * states[:, 0] + way * inertia * pushed)
+
+    times = np.linspace(0.0, arc.duration, _SAMPLES)
+    sides = rate(times) > 0
+    turns = np.flatnonzero(sides[1:] != sides[:-1])
+    return [bisected(lambda t, k=k: (rate([t])[0] > 0) != sides[k], *times[k : k + 2]) for k in turns]  # type: ignore

@@ -1,1 +1,0 @@
-"""The engine: automata as tables of numbers, and their exact motions."""

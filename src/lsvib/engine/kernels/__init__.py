@@ -1,1 +1,0 @@
-"""Compiled kernels: closed-form flows, the certain search for events, the event loop."""

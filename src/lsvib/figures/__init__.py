@@ -1,1 +1,0 @@
-"""A file for each figure: how its dataset is built and checked, and how it is drawn."""

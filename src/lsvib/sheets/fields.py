@@ -1,0 +1,333 @@
+"""The entries of a data sheet: quantities with units as people write them, single, in a range or distributed.
+
+A quantity such as ``5 mm`` is read by pint. What is not acceptable raises :class:`NotQuantity` with the end of a
+sentence, to which the sheet adds the name of the entry.
+"""
+
+import math
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from decimal import Decimal
+from fractions import Fraction
+from functools import cache
+from itertools import pairwise
+from typing import Annotated, Any
+
+import numpy as np
+import pint
+from numpy.typing import ArrayLike, NDArray
+from pydantic import BeforeValidator
+from scipy.special import ndtr, ndtri  # type: ignore[import-untyped]
+
+from lsvib.drives.complaints import bounds_of
+from lsvib.drives.drive import Drive
+from lsvib.numbers import shown
+
+_KINDS = {  # of quantities, by the unit in which the package counts them, each with an example
+    "s": ("a time", "10 ms"),
+    "m": ("a length", "5 mm"),
+    "rad": ("an angle", "4 deg"),
+    "kg": ("a mass", "20 kg"),
+    "kg/m^3": ("a density", "7850 kg/m^3"),
+    "Pa": ("a pressure", "5 MPa"),
+    "Pa m/s": ("a pressure times a speed", "0.15 MPa*m/s"),
+    "kg m^2": ("a moment of inertia", "2.3e-6 kg*m^2"),
+    "N m/rad": ("a torsional stiffness", "30 N*m/rad"),
+    "N m s/rad": ("a rotational damping", "2e-4 N*m*s/rad"),
+    "N s/m": ("a damping", "100 N*s/m"),
+    "N": ("a force", "50 N"),
+    "N m": ("a torque", "3 mN*m"),
+    "N/m": ("a stiffness", "1e6 N/m"),
+    "Hz": ("a frequency", "50 Hz"),
+    "rad/s": ("a rotational speed", "60 rpm"),
+    "m/s": ("a speed", "10 mm/s"),
+    "s/m": ("a slope of the friction coefficient over the sliding speed", "-0.02 s/m"),
+    "": ("a plain number or a percentage", "0.15"),
+}
+_TEXT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([^\d\s(+\-][^+]*)?\s*", re.ASCII)
+_FRACTION = re.compile(r"\s*(\d{1,3})/([1-9]\d{0,2})\s+(?=[A-Za-z])", re.ASCII)  # 1/2 inch
+_PER_INCH = re.compile(r"\s*([1-9]\d{0,2}(?:\.\d+)?)\s*(?:tpi|TPI)\s*", re.ASCII)  # threads per inch: a pitch
+_UNIT = re.compile(r"[A-Za-z_µμ°²³%*/^·() 0-9.\-]{1,40}")  # the longest sensible one has a dozen characters
+_SEVERAL = {"ton": "t, short_ton or long_ton", "gr": "g or grain"}  # which pint takes for 907 kg and for 65 mg
+_NAMED = re.compile(r"(?<![A-Za-z_])(ton|gr)s?(?![A-Za-z])")
+# Other powers, and powers of powers, take pint for ever.
+_POWER = re.compile(r"(?:\^|\*\*) ?\(?-?\d{1,2}\)?(?![\d.^(]| ?\*\*)")
+
+
+class NotQuantity(ValueError):
+    """A value is not a quantity of the kind that is needed; the sentence has no name yet."""
+
+
+_registry: Callable[[], "pint.UnitRegistry[Any]"] = cache(pint.UnitRegistry)
+
+
+def quantity(value: Any, *units: str) -> tuple[float, str]:
+    """Return a quantity in the first of ``units`` that it fits, and that unit.
+
+    ``value`` is text such as ``5 mm``, or a plain number where one of the units is empty. The radian counts as a
+    dimension of its own where pint would drop it: an angle needs an angular unit, a number must not have one. Raises
+    ``NotQuantity`` with the end of a sentence, such as ``is not a length, such as 5 mm``.
+    """
+    text = str(value).replace("−", "-")
+    if fraction := _FRACTION.match(text):
+        text = f"{float(Fraction(int(fraction[1]), int(fraction[2])))!r} {text[fraction.end() :]}"
+    if threads := _PER_INCH.fullmatch(text):
+        text = f"{25.4 / float(threads[1])!r} mm"
+    text = re.sub(r"\s*([*/·^])\s*", r"\1", text)
+    text = re.sub(r"(?<![\d.][eE])(?<=[A-Za-zµ])([23])(?![\w.])", r"^\1", text)  # N/mm2
+    if re.fullmatch(r"\s*[+-]?\d+,\d+\s*(?:[^\d,].*)?", text):
+        written = text.strip().replace(",", ".", 1)
+        raise NotQuantity(f"= {shown(value)} is not {_wanted(units)}; it has a comma where {written} has a point")
+    match = _TEXT.fullmatch(text)
+    if not match:
+        raise NotQuantity(f"= {shown(value)} is not {_wanted(units)}")
+    figure, unit = float(match[1]), (match[2] or "").strip()
+    if not math.isfinite(figure):
+        raise NotQuantity(f"= {shown(value)} is not finite")
+    if not unit:
+        if "" in units:
+            return figure, ""
+        raise NotQuantity(f"= {shown(value)} has no unit; write it with one, such as {_KINDS[units[0]][1]}")
+    if unit == "%" and "" in units:
+        return float(Decimal(match[1]).scaleb(-2)), ""  # 0.999 for 99.9 %, which a division would miss
+    if not _UNIT.fullmatch(unit) or re.search(r"\^|\*\*", _POWER.sub("", unit)):
+        raise NotQuantity(f"= {shown(value)} is not {_wanted(units)}")
+    if several := _NAMED.search(unit):
+        raise NotQuantity(f"= {shown(value)} has a unit of several meanings; write {_SEVERAL[several[1]]}")
+    return _converted(figure, unit, units, value)
+
+
+def _converted(figure: float, unit: str, units: tuple[str, ...], value: Any) -> tuple[float, str]:
+    registry = _registry()
+    try:
+        given = registry.Quantity(1.0, registry.parse_units(unit.replace("·", "*").replace(" ", "*")))
+        angles = _angles(given)
+    except Exception:  # pint raises many kinds, some of them of the tokenizer of Python
+        raise NotQuantity(f"= {shown(value)} has the unit {shown(unit)}, which is not known") from None
+    for wanted in filter(given.is_compatible_with, filter(None, units)):
+        # A torsional stiffness may be written in N m, its radian being understood.
+        if angles == _angles(registry.Quantity(1.0, wanted)) or (angles == 0 and "/rad" in wanted):
+            return float(registry.Quantity(figure, given.units).to(wanted).magnitude), wanted
+    raise NotQuantity(f"= {shown(value)} is not {_wanted(units)}")
+
+
+def _angles(given: Any) -> int:
+    """The power of the radian in a quantity: 1 of an angle and of rpm, −1 of N m/deg, 2 of a square degree."""
+    return int(dict(given.to_base_units().unit_items()).get("radian", 0))
+
+
+def _wanted(units: tuple[str, ...]) -> str:
+    words, examples = (" or ".join(texts) for texts in zip(*(_KINDS[unit] for unit in units), strict=True))
+    return f"{words}, such as {examples}"
+
+
+_FORMS = {
+    "uniform": ("low", "high"),
+    "triangular": ("low", "mode", "high"),
+    "normal": ("mean", "std"),
+    "lognormal": ("median", "factor"),
+}
+TAIL = 4.0  # standard deviations at which a normal distribution is cut off: 6e-5 of it lie beyond
+
+
+@dataclass(frozen=True)
+class Spread:
+    """A quantity in the unit ``unit`` of the package: ``kind`` is value or a name of a distribution.
+
+    ``numbers`` are its parameters, in the order of low, high (uniform), low, mode, high (triangular), mean, standard
+    deviation (normal), median, factor of one standard deviation (lognormal); ``low`` and ``high`` its ends, of the last
+    two :data:`TAIL` standard deviations off. ``text``: as it was written.
+    """
+
+    kind: str
+    numbers: tuple[float, ...]
+    unit: str
+    low: float
+    high: float
+    text: str
+
+    @property
+    def uncertain(self) -> bool:
+        """Whether it is more than one value."""
+        return self.low < self.high
+
+    @property
+    def nominal(self) -> float:
+        """The value in the middle: the value itself, the middle of a range, the mode, the mean or the median."""
+        if self.kind == "uniform":
+            return 0.5 * (self.low + self.high)
+        return self.numbers[1] if self.kind == "triangular" else self.numbers[0]
+
+    def quantile(self, share: ArrayLike) -> NDArray[np.float64]:
+        """Return the values (n) below which the shares (n) [1] of the distribution lie."""
+        share = np.asarray(share, dtype=float)
+        if not self.uncertain:
+            return np.full(share.shape, self.nominal)
+        if self.kind == "uniform":
+            return self.low + share * (self.high - self.low)
+        if self.kind == "triangular":
+            low, mode, high = self.numbers
+            rising = low + np.sqrt(share * (high - low) * (mode - low))
+            falling = high - np.sqrt((1 - share) * (high - low) * (high - mode))
+            return np.where(share * (high - low) < mode - low, rising, falling)
+        score, (middle, width) = ndtri(ndtr(-TAIL) + share * (ndtr(TAIL) - ndtr(-TAIL))), self.numbers
+        values = middle + width * score if self.kind == "normal" else middle * width**score
+        return np.asarray(np.clip(values, self.low, self.high))
+
+
+def spread(value: Any, *units: str, check: Callable[[float, str], None]) -> Spread:
+    """Return what a data sheet says of one quantity, in the first of ``units`` that fits.
+
+    ``value``: a quantity, a list of two (a range), or a mapping with ``low`` and ``high``; ``low``, ``mode`` and
+    ``high``; ``mean`` and ``std``; ``median`` and ``factor``. It and ``check(figure, unit)`` raise ``NotQuantity``.
+    """
+    if isinstance(value, list):
+        if len(value) != 2:
+            raise NotQuantity(f"= {shown(value)} is not a range of two quantities, such as [a, b]")
+        value = {"low": value[0], "high": value[1]}
+    if not isinstance(value, Mapping):
+        figure, unit = quantity(value, *units)
+        check(figure, unit)
+        return Spread("value", (figure,), unit, figure, figure, _plain(value))
+    kind = next((kind for kind, keys in _FORMS.items() if set(keys) == set(map(str, value))), None)
+    if kind is None:
+        raise NotQuantity(
+            f"has the keys {', '.join(map(str, value)) or 'none'}; "
+            "a distribution has low and high, low, mode and high, mean and std, or median and factor"
+        )
+    figures, kinds = [], []
+    for key in _FORMS[kind]:
+        try:
+            figure, unit = quantity(value[key], *(("",) if key == "factor" else units))
+        except NotQuantity as error:
+            raise NotQuantity(f"({key}) {error}") from None
+        figures.append(figure)
+        kinds += [unit] if key != "factor" else []
+    unit = kinds[0]
+    if len(set(kinds)) > 1:
+        raise NotQuantity("mixes two kinds of quantity in one distribution")
+    text = ", ".join(f"{key} {_plain(value[key])}" for key in _FORMS[kind])
+    low, high = _ends(kind, figures, unit, check)
+    return Spread(kind, tuple(figures), unit, low, high, text)
+
+
+def _ends(kind: str, figures: list[float], unit: str, check: Callable[[float, str], None]) -> tuple[float, float]:
+    """Where a distribution begins and ends; all of its parameters checked."""
+    if kind in ("uniform", "triangular"):
+        if figures != sorted(figures) or figures[0] == figures[-1]:
+            raise NotQuantity(f"has {' and '.join(_FORMS[kind])} that do not ascend")
+        for figure in figures:
+            check(figure, unit)
+        return figures[0], figures[-1]
+    middle, width = figures
+    check(middle, unit)
+    if not width > (0 if kind == "normal" else 1):
+        raise NotQuantity(f"has {_FORMS[kind][1]} = {width:g}, which is not above {0 if kind == 'normal' else 1}")
+    normal = (middle - TAIL * width, middle + TAIL * width)
+    low, high = normal if kind == "normal" else (middle / width**TAIL, middle * width**TAIL)
+    for end in (low, high):
+        try:
+            check(end, unit)
+        except NotQuantity as error:
+            value, _, rest = str(error).removeprefix("= ").partition(" is")
+            raise NotQuantity(f"reaches {value} at four standard deviations, which is{rest}") from None
+    return low, high
+
+
+def _plain(value: Any) -> str:
+    return value.strip() if isinstance(value, str) else shown(value)
+
+
+def _within(allowed: Mapping[str, tuple[float, float]], above: bool = False) -> Callable[[float, str], None]:
+    """Return a check of figures against the range of their unit; ``above``: its lower end is not part of it."""
+
+    def check(figure: float, unit: str) -> None:
+        """Raise ``NotQuantity`` unless a figure in this unit is in the range."""
+        low, high = allowed[unit]
+        if (figure > low or (figure == low and not above)) and figure <= high:
+            return
+        name, factor = {"rad": ("deg", 180 / math.pi), "rad/s": ("rpm", 30 / math.pi)}.get(unit, (unit, 1.0))
+        value, least, most = (f"{factor * x:.6g} {name}".rstrip() for x in (figure, low, high))
+        raise NotQuantity(f"= {value} is outside the allowed range {least} {'<' if above else '<='} value <= {most}")
+
+    return check
+
+
+def _field(unit: str, low: float, high: float) -> Any:
+    check = _within({unit: (low, high)})
+    return Annotated[Spread, BeforeValidator(lambda value: spread(value, unit, check=check))]
+
+
+def _positive(highest: Mapping[str, float]) -> Any:
+    """A quantity above zero, in one of some units, each with its largest value."""
+    allowed = {unit: (0.0, high) for unit, high in highest.items()}
+    return Annotated[Spread, BeforeValidator(lambda value: spread(value, *allowed, check=_within(allowed, above=True)))]
+
+
+def _least(key: str) -> float:
+    """The least value of a parameter of the package."""
+    return bounds_of(Drive, key)["ge"]
+
+
+LARGEST_HALF_ANGLE = math.radians(60)
+# The ranges are those of the drives of the package, or narrower where no screw of metal reaches.
+Length = _field("m", 1e-6, 100.0)
+Diameter = _field("m", 1e-5, 1.0)
+Lead = _field("m", 1e-5, 10.0)
+LeadAngle = _field("rad", _least("lead_angle"), math.radians(80))
+HalfAngle = _field("rad", 0.0, LARGEST_HALF_ANGLE)
+Mass = _field("kg", _least("mass"), 1e9)
+Density = _positive({"kg/m^3": 3e4})
+Pressure = _field("Pa", 1.0, 1e12)
+PressureSpeed = _field("Pa m/s", 1.0, 1e15)
+Inertia = _field("kg m^2", _least("screw_inertia"), 1e6)
+MoreInertia = _field("kg m^2", 0.0, 1e6)
+Torsion = _field("N m/rad", _least("coupling_stiffness"), 1e12)
+TurningDamping = _field("N m s/rad", 0.0, 1e12)
+LinearDamping = _field("N s/m", 0.0, 1e15)
+Stiffness = _field("N/m", _least("contact_stiffness"), 1e15)
+Force = _field("N", -1e10, 1e10)
+Rubbing = _field("N", 0.0, 1e10)
+Torque = _field("N m", -1e9, 1e9)
+Drag = _field("N m", 0.0, 1e9)
+Speed = _positive({"rad/s": 1e6, "m/s": 1e3})
+Bandwidth = _field("Hz", 0.01, 1e5)
+Duration = _positive({"s": 1e3})
+Holding = _positive({"N m": 1e9})
+Ratio = _positive({"": 1e4})
+Coefficient = _field("", 0.0, 3.0)
+Efficiency = _field("", 0.001, 0.999)
+Share = _field("", 0.0, 1.0)
+Slope = _field("s/m", -1e3, 1e3)
+SlidingSpeed = _positive({"m/s": 1e4})
+
+
+def _tilt(value: Any) -> Spread:
+    named = {"horizontal": 0.0, "vertical": math.pi / 2}
+    if isinstance(value, str) and (angle := named.get(value.strip().lower())) is not None:
+        return Spread("value", (angle,), "rad", angle, angle, value)
+    try:
+        return spread(value, "rad", check=_within({"rad": (-math.pi / 2, math.pi / 2)}))
+    except NotQuantity as error:
+        if isinstance(value, str) and "is not an angle" in str(error):
+            raise NotQuantity(f"{error}, horizontal or vertical") from None
+        raise
+
+
+Tilt = Annotated[Spread, BeforeValidator(_tilt)]  # of the axis above the horizontal; outward is upward
+
+
+def friction_curve(value: Any) -> tuple[tuple[float, float], ...]:
+    """Return pairs of sliding speed [m/s], ascending, and friction coefficient [1]; raises ``NotQuantity``."""
+    if not (isinstance(value, list) and value and all(isinstance(row, list) and len(row) == 2 for row in value)):
+        raise NotQuantity("is not a list of pairs [sliding speed, coefficient]")
+    pairs = tuple((quantity(speed, "m/s")[0], quantity(coefficient, "")[0]) for speed, coefficient in value)
+    speeds, coefficients = zip(*pairs, strict=True)
+    if not 1e-6 <= speeds[0] <= speeds[-1] <= 1e4 or any(after <= before for before, after in pairwise(speeds)):
+        raise NotQuantity(
+            "has sliding speeds that do not ascend between 1e-6 m/s and 1e4 m/s; friction at rest is static"
+        )
+    if not 1e-4 <= min(coefficients) <= max(coefficients) <= 3:
+        raise NotQuantity("has a coefficient outside the allowed range 1e-4 <= value <= 3")
+    return pairs

@@ -1,0 +1,205 @@
+"""Assess one data sheet and write the report, the dataset and the JSON file: all of them or none."""
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from lsvib import numbers
+from lsvib.answers.attributes import flagged, variable
+from lsvib.answers.io import write_dataset
+from lsvib.errors import InputError
+from lsvib.files import check_outputs, replacing, write_json, write_text
+from lsvib.sheets.assessment import AssessedMotion, Assessment, assess
+from lsvib.sheets.chart import KINDS, Chart, charts
+from lsvib.sheets.margins import Margin
+from lsvib.sheets.operation import Draw, Operation
+from lsvib.sheets.report import report
+from lsvib.sheets.sheet import Sheet
+from lsvib.sheets.starting import Starting
+from lsvib.sheets.statics import Statics, statics
+from lsvib.sheets.summary import brief, of_curve, of_statics, said
+from lsvib.sheets.words import ABOUT, QUANTITIES, VERDICTS
+
+_OF_MOTIONS = ("parts", "attractor", "vibrates", "frequency", "audible", "amplitude", "load_speed", "screw_speed",
+               "peak_contact_force", "peak_impulse", "reason", "scene")  # fmt: skip
+
+
+def assess_file(path: Path, out: Path | None, samples: Any = 4096, seed: Any = 1) -> dict[str, Any]:
+    """Assess the data sheet in a YAML file; write ``index.html``, ``assessment.nc``, ``assessment.json`` to ``out``.
+
+    Without ``out`` nothing is written. ``samples``: a power of two. Returns what ``assessment.json`` holds. Raises
+    ``InputError`` or another ``LsvibError`` in one sentence; then nothing is written.
+    """
+    count = numbers.whole_between("samples", samples, 64, 2**20)  # seconds; a share is in error by less than 1e-3
+    if count & (count - 1):
+        raise InputError(f"samples = {count} is not a power of two, as the sequence of samples needs.")
+    start = numbers.whole_between("seed", seed, 0, 2**32 - 1)
+    sheet = Sheet.read(path)
+    if sheet.of_statics:
+        if out is not None:
+            raise InputError(f"a report needs what vibration needs; {sheet.of_statics}.")
+        return _of_statics(sheet)
+    if out is None:
+        return as_json(assess(sheet, count, start))
+    files = [out / name for name in ("index.html", "assessment.nc", "assessment.json")]
+    check_outputs(files, [path])
+    found = assess(sheet, count, start)
+    operating = charts(found.draw)
+    result = as_json(found)
+    with replacing(*files) as (page, data, verdict):
+        write_text(report(found, operating), page)
+        write_dataset(dataset(found, operating), data)
+        write_json(result, verdict)
+    return result
+
+
+def _of_statics(sheet: Sheet) -> dict[str, Any]:
+    """The answer for a sheet that gives no drive which could vibrate: verdict and all else but statics are None."""
+    found, curve = statics(sheet), of_curve(Draw.of(sheet))
+    sentence = f"Whether it vibrates is not asked: {sheet.of_statics}."
+    if sheet.load.mass is None:
+        sentence += " No weight is counted."
+    return {
+        "name": sheet.name,
+        "verdict": None,
+        "sentence": sentence,
+        "brief": [line for line in (sentence, *of_statics(found), said("curve", curve)) if line],
+        "statics": _statics_json(found),
+        "friction_curve": curve,
+        "assumptions": dict(sheet.assumptions),
+        "sources": dict(sheet.sources),
+    }
+
+
+def as_json(assessment: Assessment) -> dict[str, Any]:
+    """Return the verdict as plain values for JSON: SI units, None for what does not exist or is infinite."""
+    perturbed = assessment.mechanisms["after_perturbation"]
+    return {
+        "name": assessment.draw.sheet.name,
+        "verdict": assessment.verdict,
+        "sentence": VERDICTS[assessment.verdict],
+        "brief": brief(assessment),
+        "statics": _statics_json(assessment.statics),
+        "friction_curve": of_curve(assessment.draw),
+        "self_locking": assessment.self_locking,
+        "self_locking_probability": assessment.uncertainty.holds.value,
+        "efficiency": {**assessment.efficiency, "lifting_range": list(assessment.uncertainty.lifting)},
+        "mechanisms": {
+            name: {
+                **{key: getattr(one, key) for key in ("occurs", "probability", "interval", "reserve")},
+                "at": _place(one.there),
+                "margin": _margins_json(one.margins),
+            }
+            for name, one in assessment.mechanisms.items()
+            if name != "after_perturbation"
+        },
+        "after_perturbation": {
+            "possible": bool(perturbed.probability) or perturbed.occurs,
+            "probability": perturbed.probability,
+            "interval": None if perturbed.interval is None else list(perturbed.interval),
+        },
+        "quantities": {
+            QUANTITIES[key].name: {"value": value, "unit": QUANTITIES[key].unit}
+            for key, value in assessment.draw.values.items()
+        },
+        "samples": assessment.uncertainty.samples,
+        "seed": assessment.seed,
+        "any_mechanism": {
+            "probability": assessment.uncertainty.any.value,
+            "interval": list(assessment.uncertainty.any.interval),
+            "margin": _margins_json(assessment.margins),
+        },
+        "sobol": assessment.uncertainty.sobol,
+        "from_rest": _starting_json(assessment.starting),
+        "changes": {
+            row.about.name: {"factor": row.factor, "value": row.value, "unit": row.about.unit, "left": row.left or None}
+            for row in assessment.changes
+        },
+        "nominal": _motion_json(assessment.nominal),
+        "worst_case": _motion_json(assessment.worst),
+        "assumptions": dict(assessment.draw.sheet.assumptions),
+        "sources": dict(assessment.draw.sheet.sources),
+    }
+
+
+def _statics_json(found: Statics) -> dict[str, Any]:
+    rows = {key: {**vars(row), "unit": ABOUT[key]["unit"]} for key, row in found.rows.items()}
+    for row in rows.values():
+        del row["key"]
+        row["worst"] = row["worst"] if np.isfinite(row["worst"]) else None  # a torque, where the threads jam
+    return {"back_drives": found.back_drives, **rows}
+
+
+def _starting_json(found: Starting) -> dict[str, Any]:
+    travel, moved = found.there.draw.travel, found.motion
+    even = None if found.even_speed == math.inf else found.even_speed
+    return {
+        "jerks": found.jerks,
+        "even_speed": even,
+        "even_load_speed": even and travel * even,
+        "at_no_speed_tried": found.even_speed == math.inf,
+        "at": {**_place(found.there), "load_speed": travel * found.there.speed},
+        "frequency": moved and moved.frequency,
+        "peak_to_peak": moved and moved.amplitude and 2 * moved.amplitude,
+        "cause": found.cause or None,
+        "share_of_drawn": found.share,
+        "drawn": found.drawn,
+        "jerky": found.jerky,
+        "not_known": found.unknown,
+    }
+
+
+def _place(there: Operation) -> dict[str, float]:
+    return {"direction": int(there.direction), "screw_speed": float(there.speed), "force": float(there.force)}
+
+
+def _margins_json(rows: list[Margin]) -> dict[str, Any]:
+    return {row.about.name: {"factor": row.factor, "value": row.value, "unit": row.about.unit} for row in rows}
+
+
+def _motion_json(motion: AssessedMotion) -> dict[str, Any]:
+    moved, (size, sentence) = motion.vibration, motion.tolerated
+    return {
+        "mechanism": motion.mechanism,
+        "entries": motion.there.draw.entries,
+        "at": _place(motion.there),
+        **{key: getattr(moved, key) for key in _OF_MOTIONS},
+        "tolerated_perturbation": None if size is None or not np.isfinite(size) else size,
+        "tolerated_perturbation_sentence": sentence,
+    }
+
+
+def dataset(assessment: Assessment, charts: list[Chart]) -> xr.Dataset:
+    """Return the operating chart, and the motions of the load at middle and worst values."""
+    kinds, words = np.stack([chart.kind for chart in charts]), "what occurs at a point of operation"
+    variables: dict[str, Any] = {"chart": flagged(("direction", "force", "speed"), kinds, words, KINDS)}
+    coordinates = {
+        "direction": variable("direction", [chart.direction for chart in charts], "1", "direction, 1 is outward"),
+        "force": variable("force", charts[0].force, "N", "force against outward travel"),
+        "speed": variable("speed", charts[0].speed, "m s-1", "speed of the load"),
+    }
+    for name, motion, where in (
+        ("nominal", assessment.nominal, "at the middle values"),
+        ("worst", assessment.worst, "in the worst case"),
+    ):
+        dim, moved = f"{name}_time", motion.vibration  # a motion that is not known has no samples
+        coordinates[dim] = variable(dim, moved.time, "s", f"time of the motion {where}")
+        variables[f"{name}_deviation"] = variable(dim, moved.deviation, "m", f"deviation of the load {where}")
+    return xr.Dataset(
+        variables,
+        coordinates,
+        attrs={
+            "title": f"Assessment of a lead-screw drive: {assessment.draw.sheet.name}",
+            "source": "lsvib assess",
+            "references": "Vahid-Araghi and Golnaraghi, Friction-Induced Vibration in Lead Screw Drives, Springer "
+            "2011, chapter 8",
+            "verdict": f"{assessment.verdict}. {VERDICTS[assessment.verdict]}",
+            "samples": assessment.uncertainty.samples,
+            "seed": assessment.seed,
+            "worst_case_scene": json.dumps(assessment.worst.vibration.scene),
+        },
+    )

@@ -1,0 +1,334 @@
+"""The statics of a screw: torque, efficiency, self-locking, pressure in the nut, column and critical speed.
+
+Formulas are plain, in SI units, for floats and arrays alike. A row of the result has the value at the middle of all
+entries and of the window, and the worst one: at the ends of the operating window and of all uncertain entries.
+"""
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lsvib.drives.mechanics import holding_coefficient, relieved_half, thread_force
+from lsvib.errors import InputError
+from lsvib.sheets import window
+from lsvib.sheets.materials import NUT_MATERIALS, SCREW_MATERIALS
+from lsvib.sheets.operation import Draw
+from lsvib.sheets.quantities import Values, flank_coefficient, sliding_speed
+from lsvib.sheets.sheet import Sheet
+from lsvib.sheets.uncertainty import ends
+from lsvib.sheets.words import ABOUT
+
+SAFE = 0.8  # share of a critical load or speed that may be used, as Thomson recommends
+ENDS = {  # of the shaft: end factor K of the column, and β of its first bending mode (Euler, Bernoulli)
+    "fixed-free": (0.25, 1.8751),
+    "supported-supported": (1.0, math.pi),
+    "fixed-supported": (2.0, 3.9266),
+    "fixed-fixed": (4.0, 4.7300),
+}
+
+Floats = NDArray[np.float64]
+Judged = tuple[Any, Any]  # values at many points and their limits, or None
+
+
+@dataclass(frozen=True)
+class Row:
+    """One quantity of :data:`lsvib.sheets.words.ABOUT`: ``middle`` and ``worst`` value, its ``limit`` there, if any.
+
+    ``exceeded``: whether the worst value is beyond the limit. ``middle`` is None where a load is lifted or lowered in
+    the middle of the window at no time, but at its ends.
+    """
+
+    key: str
+    middle: float | None
+    worst: float
+    limit: float | None
+    exceeded: bool
+
+
+@dataclass(frozen=True)
+class Statics:
+    """All rows; ``back_drives``: whether the load can turn the screw when the current is off.
+
+    False, ``at the middle values`` or ``within the uncertainties``; None if nothing pushes the load. ``falls``: whether
+    what pushes it may have the direction of its weight.
+    """
+
+    rows: dict[str, Row]
+    back_drives: str | bool | None
+    falls: bool
+
+    @property
+    def limited(self) -> list[Row]:
+        """The rows that have a limit."""
+        return [row for row in self.rows.values() if row.limit is not None]
+
+
+def torque(
+    force: Any,
+    pitch_radius: Any,
+    lead_angle: Any,
+    coefficient: Any,
+    lifting: bool,
+    collar: Any = 0.0,
+    relieved: Any = 0.0,
+) -> Any:
+    """Return the torque of threads and collar [N m] under an axial ``force`` [N], r F (tan(ρ ± λ) + μ_b r_b / r).
+
+    ``coefficient`` μ of the square thread, ρ = arctan μ; ``lifting``: against the force; ``collar``, μ_b r_b / r.
+    Lowering, it is negative where the thread does not lock and has to be braked. ``relieved`` [N]: on the half of a
+    preloaded nut, :func:`lsvib.drives.mechanics.relieved_half`; it adds r F′ (tan(ρ + λ) + tan(ρ − λ)).
+
+    >>> round(torque(1000.0, 9.188e-3, 0.04328, 0.15, lifting=True), 3)
+    1.788
+    """
+    threads = thread_force(force, relieved, coefficient, np.tan(lead_angle), -1 if lifting else 1)
+    return pitch_radius * (threads + force * collar)
+
+
+def nut_pressure(force: Any, pitch_diameter: Any, length: Any, engaged_depth: Any = 0.5) -> Any:
+    """Return the pressure [Pa] on the projected area of the threads in a nut, F P / (π d h L).
+
+    ``engaged_depth`` h / P [1]: threads half as deep as their pitch P unless the standard says otherwise.
+    """
+    return force / (math.pi * pitch_diameter * engaged_depth * length)
+
+
+def column_load(modulus: Any, yield_strength: Any, diameter: Any, length: Any, end_factor: float) -> Any:
+    """Return the axial load [N] at which a round column buckles: Euler's, or Johnson's where it is short.
+
+    Euler: K π² E I / l²; Johnson, where Euler's stress is above half of the yield strength σ: A σ (1 − σ / (4 σ_E)).
+    ``modulus`` and ``yield_strength`` [Pa], ``diameter`` of the root and ``length`` [m], ``end_factor`` K [1].
+
+    >>> round(column_load(200e9, 250e6, 0.0155, 0.6, 1.0))
+    15535
+    """
+    area = math.pi / 4 * diameter**2
+    euler = end_factor * math.pi**2 * modulus * (diameter / (4 * length)) ** 2
+    return area * np.where(2 * euler < yield_strength, euler, yield_strength * (1 - yield_strength / (4 * euler)))
+
+
+def root_stress(force: Any, torque: Any, diameter: Any) -> Any:
+    """Return the stress [Pa] of an axial ``force`` [N] and a ``torque`` [N m] in a round root, √(σ² + 3 τ²), by Mises.
+
+    >>> f"{root_stress(6400.0, 26.18, 28e-3):.4g}"
+    '1.479e+07'
+    """
+    area, section = math.pi / 4 * diameter**2, math.pi / 16 * diameter**3
+    return np.sqrt((force / area) ** 2 + 3 * (torque / section) ** 2)
+
+
+def critical_speed(modulus: Any, density: Any, diameter: Any, length: Any, root: float) -> Any:
+    """Return the speed [rad/s] of the first bending mode of a round shaft, β² d / (4 l²) √(E / density).
+
+    ``root`` β [1]: of the ends, π if both are supported; other arguments as :func:`column_load`, in SI units.
+
+    >>> round(critical_speed(200e9, 7850.0, 0.0155, 0.6, math.pi) * 30 / math.pi)
+    5121
+    """
+    return root**2 * diameter / (4 * length**2) * np.sqrt(modulus / density)
+
+
+def statics(sheet: Sheet) -> Statics:
+    """Return all rows for which a sheet has the entries, at the middle values and at the worst ones."""
+    draw = Draw.of(sheet)
+    middle = _judged(draw, *_middle(_window(draw)))
+    surely_pushed = _pushed(draw).any()
+    draw = Draw.of(sheet, ends(sheet))
+    if sheet.friction.curve and not np.all(draw.at(1, draw.values["speed_high"], 0.0).friction[0]):
+        raise InputError(
+            f"friction.curve ends at {sheet.friction.curve[-1][0]:g} m/s, and the law that fits it falls to zero "
+            "before the fastest sliding of the threads; give points up to there."
+        )
+    worst = _judged(draw, *_points(draw))
+    rows = {key: _row(key, worst[key], middle.get(key)) for key in ABOUT if key in worst}
+    holding, pushed = rows["holding_friction"], _pushed(draw)
+    falls = bool((pushed * draw.weight > 0).any())
+    if not pushed.any():
+        return Statics({**rows, holding.key: replace(holding, exceeded=False)}, None, falls)
+    if not holding.exceeded:
+        return Statics(rows, False, falls)
+    surely = surely_pushed and _row(holding.key, middle[holding.key], None).exceeded
+    return Statics(rows, "at the middle values" if surely else "within the uncertainties", falls)
+
+
+def lets_go(draw: Draw, changed: Draw) -> bool:
+    """Whether a drive that holds its load at rest no longer does with ``changed`` quantities."""
+    key, both = "holding_friction", (draw, changed)
+    slips = [_pushed(own).any() and _row(key, _judged(own, *_points(own))[key], None).exceeded for own in both]
+    return bool(slips[1] and not slips[0])
+
+
+def _pushed(draw: Draw) -> Floats:
+    """What pushes the load at rest, against outward travel [N], at both ends of the window (2, n)."""
+    return np.stack(np.broadcast_arrays(*(draw.values[f"force_{end}"] + draw.weight for end in ("low", "high"))))
+
+
+def _window(draw: Draw) -> list[tuple[Floats, Floats, Floats]]:
+    """Speeds [rad/s], loads against the travel without and with drag [N], at points of the window, (k, n) a direction.
+
+    They are those at which stability is asked, between its ends too where friction depends on the speed, and those
+    nearest to no load and to one that the guide just holds.
+    """
+    found, drag = [], draw.values["translation_damping"] * draw.values["lead"] / (2 * math.pi)
+    pushed, guide = _pushed(draw), draw.values.get("slide_friction", 0.0)
+    own = [np.clip(held, pushed.min(), pushed.max()) for held in (0.0, guide, -guide)]
+    for direction in draw.sheet.directions:
+        speed, force = (table.reshape(len(table), -1) for table in window.points(draw, direction))
+        speed = np.concatenate([speed, *(speed[:1] for _ in own)])
+        held = direction * np.concatenate([force + draw.weight, *(0 * force[:1] + one for one in own)])
+        found.append((speed, held, held + drag * speed + draw.values.get("slide_friction", 0.0)))
+    return found
+
+
+def _points(draw: Draw) -> Iterator[Floats]:
+    """The same of all directions together, (k, n)."""
+    return (np.concatenate(parts) for parts in zip(*_window(draw), strict=True))
+
+
+def _middle(window: Sequence[tuple[Floats, Floats, Floats]]) -> tuple[Floats, Floats, Floats]:
+    """Speeds and loads (k, 1) in the middle of a window: against which travel goes in it, and with which it goes."""
+    speed = np.concatenate([one.ravel() for one, _, _ in window])
+    found: list[list[float]] = []
+    for sign in (1, -1):
+        pairs: list[float] = []
+        for loads in zip(*(side[1:] for side in window), strict=True):
+            sizes = [np.clip(sign * load, 0, None) for load in loads if (sign * load > 0).any()]
+            ends = [size(one) for size in (np.min, np.max) for one in sizes]
+            pairs.append(sign * 0.5 * float(min(ends) + max(ends)) if ends else 0.0)
+        if pairs[1]:
+            found.append(pairs)
+    held, load = np.array(found or [[0.0, 0.0]]).T[:, :, None]
+    return np.full(load.shape, 0.5 * (speed.min() + speed.max())), held, load
+
+
+def _judged(draw: Draw, speed: Floats, held: Floats, load: Floats) -> dict[str, Judged]:
+    """All quantities with their limits, for speeds and loads (k, n), ``held`` at rest; NaN where one does not occur.
+
+    Where the threads jam, μ ≥ cot λ, the torque against the load is infinite.
+    """
+    sheet, values, entries, collar = draw.sheet, draw.values, draw.entries, draw.collar
+    radius, angle, coefficient = draw.pitch_radius, draw.lead_angle, draw.at(1, speed, 0.0).friction[0]
+    turns = coefficient * np.tan(angle) < 1  # else the threads jam
+    if sheet.preloaded and not turns.all():
+        raise InputError(
+            "friction is so strong that a preloaded nut jams whatever the torque, coefficient >= cot(lead angle); "
+            "lower friction or the lead of the thread."
+        )
+    found: dict[str, Judged] = {}
+    at_rest = _at_rest(draw)
+    bearing, guide = (values.get(key, 0.0) for key in ("bearing_friction", "slide_friction"))
+    still, standing = values.get("bearing_static_friction", bearing), values.get("slide_static_friction", guide)
+    rest, motion = (draw.square(at_rest), collar, still), (coefficient, collar, bearing)
+    left, stuck = (np.clip(np.abs(held) - own, 0.0, None) for own in (guide, standing))  # what the guide does not hold
+    nut = entries.get("nut.preload", 0.0), entries.get("nut.load_share", 1.0)
+
+    def needed(force: Any, rubs: tuple[Any, Any, Any], lifting: bool) -> Any:
+        """The torque against or with a force, without damping, by the friction of threads, collar and bearing."""
+        return torque(force, radius, angle, rubs[0], lifting, rubs[1], relieved_half(force, *nut)) + rubs[2]
+
+    drag, size = values["support_damping"] * speed, np.abs(load)
+    against, along = (needed(size, motion, lifting) + drag for lifting in (True, False))
+    against = np.where(turns, against, np.inf)
+    # The dampings are guesses, on which no brake should count.
+    holding, braking = -needed(stuck, rest, False), -needed(left, motion, False)
+    for name, acting, effort in (
+        ("holding", holding > 0, holding),
+        ("starting", (held + standing > 0) & sheet.followed, needed(held + standing, rest, True)),
+        ("lifting", (load > 0) | (not load.any()), against),
+        ("lowering", (load <= 0) & (along > 0) & (load < 0).any(), along),  # most torque may be next to no load
+        ("braking", (held < 0) & (braking > 0), braking),
+    ):
+        for row, factor in ((f"{name}_torque", 1.0), (f"{name}_power", speed)):
+            if row in ABOUT and acting.any():
+                found[row] = np.where(acting, effort * factor, np.nan), None
+    if "lifting_torque" in found and "coupling.gear_ratio" in entries:
+        found["motor_torque"] = found["lifting_torque"][0] / entries["coupling.gear_ratio"], None
+    with np.errstate(divide="ignore", invalid="ignore"):
+        useful = np.abs(held) * radius * np.tan(angle)  # per radian
+        share = np.where(turns, useful / needed(held + guide, motion, True), 0.0)  # NaN where nothing rubs or moves
+        driving = np.where((left > 0) | ~turns, braking, -needed(guide - np.abs(held), motion, True)) / useful
+    if (held > 0).any():
+        found["lifting_efficiency"] = np.where(held >= 0, share, np.nan), None
+    if held.any():
+        found["lowering_efficiency"] = np.where(held != 0, driving, np.nan), None
+    asked = (still, stuck, relieved_half(stuck, *nut)) if held.any() else (0.0, 1.0)  # else what any load would need
+    found["holding_friction"] = at_rest, _holds_from(draw, *asked)
+    found |= _nut(draw, size + relieved_half(size, *nut), sliding_speed(speed, radius, angle))
+    loaded = whole = np.where(load >= 0, against, np.abs(along))
+    if "collar_friction" in values:  # which stands between the motor and the part that bears the load
+        up, down = (needed(size, (coefficient, 0.0, 0.0), lifting) for lifting in (True, False))
+        loaded = np.where(load >= 0, np.where(turns, up, np.inf), np.abs(down))
+    return found | _shaft(sheet, entries, speed, size, (whole, loaded))
+
+
+def _holds_from(draw: Draw, bearing: Any, left: Any, relieved: Any = 0.0) -> Any:
+    """The friction of the flanks from which on threads, collar and bearing hold what is ``left`` of the load [N]."""
+    helps, tangent = draw.collar * left + bearing / draw.pitch_radius, np.tan(draw.lead_angle)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        root = holding_coefficient(-helps, left, relieved, tangent, 1)
+    needed = np.where(left > 0, root, 0.0)  # nothing, where the guide holds all of it
+    return flank_coefficient(np.clip(needed, 0.0, None), draw.lead_angle, draw.values["half_angle"])
+
+
+def _at_rest(draw: Draw) -> Any:
+    """Friction of the flanks at rest [1]: static friction, or else that of slow sliding."""
+    if "static_friction_coefficient" in draw.values:
+        return draw.values["static_friction_coefficient"]
+    return flank_coefficient(draw.at(1, 0.0, 0.0).friction[0], draw.lead_angle, draw.values["half_angle"])
+
+
+def _nut(draw: Draw, force: Floats, sliding: Any) -> dict[str, Judged]:
+    """Pressure by the ``force`` on the flanks, sliding speed and their product in the nut, or its more loaded half.
+
+    A limit of the sheet goes before that of the material.
+    """
+    nut, size, entries = draw.sheet.nut, draw.sheet.thread.size, draw.entries
+    if nut is None or "nut.length" not in entries:
+        return {}
+    material = NUT_MATERIALS.get(nut.material or "")
+    depth = size.engaged_depth if size else 0.5
+    pressure = nut_pressure(force, draw.values["pitch_diameter"], entries["nut.length"], depth)
+    return {
+        "nut_pressure": (pressure, entries.get("nut.pressure_limit", material and material.pressure_limit)),
+        "sliding_speed": (sliding, entries.get("nut.speed_limit")),
+        "pv": (pressure * sliding, entries.get("nut.pv_limit", material and material.pv_limit)),
+    }
+
+
+def _shaft(
+    sheet: Sheet, entries: Values, speed: Floats, force: Floats, torques: tuple[Floats, Floats]
+) -> dict[str, Judged]:
+    """The screw as a column, whichever way the ``force`` acts, its speed, and the larger stress of its two sides.
+
+    ``torques``: the whole one, on the side of the motor, and that of the part which bears the load.
+    """
+    found: dict[str, Judged] = {}
+    diameter = entries.get("screw.root_diameter", sheet.thread.size and sheet.thread.size.root_diameter)
+    material = SCREW_MATERIALS[sheet.screw.material or "steel"]
+    if sheet.screw.ends is not None:
+        length = entries["screw.unsupported_length" if "screw.unsupported_length" in entries else "screw.length"]
+        factor, root = ENDS[sheet.screw.ends]
+        column = column_load(material.modulus, material.yield_strength, diameter, length, factor)
+        whirling = critical_speed(material.modulus, material.density, diameter, length, root)
+        found = {"column_load": (force, SAFE * column), "screw_speed": (speed, SAFE * whirling)}
+    if diameter is not None and sheet.screw.density is None:
+        sides = (root_stress(*both, diameter) for both in zip((0.0, force), torques, strict=True))
+        found["root_stress"] = np.maximum(*sides), material.yield_strength
+    return found
+
+
+def _row(key: str, judged: Judged, middle: Judged | None) -> Row:
+    """The row of a quantity at its worst point: nearest to the limit or beyond it, or the largest where it has none."""
+    value, limit = judged
+    low = key in ("lifting_efficiency", "holding_friction")  # of these the lowest is the worst
+    with np.errstate(divide="ignore", invalid="ignore"):  # where no friction is needed to hold
+        score = (-1 if low else 1) * (value if limit is None else value / limit)
+    value, limits, score = np.broadcast_arrays(value, np.nan if limit is None else limit, score)
+    k = np.unravel_index(np.nanargmax(score), score.shape) if score.ndim else ()
+    found, most = float(value[k]), None if limit is None else float(limits[k])
+    exceeded = most is not None and (found < most if low else found > most)
+    return Row(key, None if middle is None else _row(key, middle, None).worst, found, most, exceeded)

@@ -1,0 +1,250 @@
+"""The motion of one drive: what the vibration is, and how large a perturbation it takes."""
+
+import math
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lsvib.drives import friction
+from lsvib.drives.drive import Drive
+from lsvib.drives.mechanics import coefficients
+from lsvib.drives.model import Model, automaton_of, model_of
+from lsvib.dynamics.impulses import event_impulses
+from lsvib.dynamics.resilience import resilience
+from lsvib.errors import EngineError, InputError
+from lsvib.sheets.words import TOLERATED, shown
+from lsvib.systems.attractor import Attractor, SteadyState, orbit_extremes, steady_state
+from lsvib.systems.automaton import Automaton
+from lsvib.systems.motion import Motion, follow
+from lsvib.words import plain
+
+UNDECIDED = ("neutral family", "unresolved", "unknown")  # ends of motions that neither settle nor certainly vibrate
+_WITHOUT_CYCLE = (Attractor.NEUTRAL_FAMILY, Attractor.UNRESOLVED)
+NUDGE = 1e-3  # of the speed: how far from steady sliding a motion starts that shows whether it is stable
+STRONG = 5.0  # times the speed: a perturbation that counts as strong, and the largest that has to be tried
+Parts = tuple[str, ...]  # of a drive, which comply
+Tolerated = tuple[float | None, str]  # a sudden change of the screw's speed [rad/s], None if not known; a sentence
+_SAMPLES = 1200  # even ones of the motion shown: 200 a period
+# Work after which a motion counts as unresolved, a second or two: events with two states, units of one with more. Of
+# many motions that are only asked where they end each gets less.
+_WORK_OF_RIGID, _WORK_OF_PARTS = 4_000, 1_000_000
+_WORK_OF_LAW = 40_000
+_WORK_OF_MANY = 12_000
+
+
+@dataclass(frozen=True)
+class Vibration:
+    """Where a motion ends that starts next to steady sliding.
+
+    ``parts``: what complies; ``attractor``: its name in words; for a cycle ``frequency`` [Hz], ``amplitude`` of the
+    load [m] (half of peak to peak, about steady travel), ``load_speed`` lowest and highest [m/s], ``screw_speed``
+    likewise [rad/s], ``peak_contact_force`` between impacts [N], ``peak_impulse`` of an impact [N s] (0 without).
+    ``scene``: names and values of a scene that shows it; ``time`` [s], ``deviation`` of the load [m]: samples (n) of
+    the motion. ``reason``: why nothing is known, if so.
+    """
+
+    parts: Parts
+    attractor: str
+    frequency: float | None = None
+    amplitude: float | None = None
+    load_speed: tuple[float, float] | None = None
+    screw_speed: tuple[float, float] | None = None
+    peak_contact_force: float | None = None
+    peak_impulse: float | None = None
+    scene: dict[str, Any] = field(default_factory=dict)
+    time: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
+    deviation: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
+    reason: str | None = None
+
+    @property
+    def vibrates(self) -> bool:
+        """Whether the motion ends in a cycle, shown or not."""
+        return self.attractor.endswith("cycle")
+
+    @property
+    def audible(self) -> bool:
+        """Whether its frequency lies within what a young ear hears; a lower one may be heard as knocks."""
+        return self.frequency is not None and 20.0 <= self.frequency <= 20e3
+
+
+def vibration(drive: Drive, perturbation: float | None, parts: Parts, law: bool) -> Vibration:
+    """Follow the motion of a drive from near steady sliding, u = 0, w = ``perturbation`` Ω, or from rest, to its end.
+
+    ``perturbation``: None for a start from rest; ``parts``: what complies; ``law``: whether friction follows one.
+    """
+    most = _WORK_OF_PARTS if parts else _WORK_OF_RIGID
+    work = (_WORK_OF_LAW if law else most) // max(1, len(parts) ** 2)
+    try:
+        definition, automaton, start, end = ended(drive, perturbation, work)
+    except (InputError, EngineError) as error:
+        return Vibration(parts, "unknown", reason=str(error))
+    words = plain(end.label)
+    try:
+        start, span, times, states = _shown(drive, definition, automaton, start, end)
+    except EngineError as error:
+        return Vibration(parts, words, reason=str(error))
+    row = _load_row(drive, automaton.states)
+    return Vibration(
+        parts,
+        words,
+        scene={"drive": dict(drive), "start": start, "duration": span, "samples": _SAMPLES + 1},
+        time=times,
+        deviation=states @ row,
+        **({} if end.orbit is None or end.label in _WITHOUT_CYCLE else _of_cycle(drive, end.orbit, row)),
+    )
+
+
+def ended(
+    drive: Drive, perturbation: float | None, most_work: int
+) -> tuple[Model, Automaton, dict[str, float], SteadyState]:
+    """Return model and automaton of a drive, the start of a motion, at rest without a perturbation, and its end."""
+    definition = model_of(drive)
+    start = definition.from_rest(drive)
+    if perturbation is not None:
+        start = {"u": 0.0, "w": perturbation * drive.input_speed}
+    automaton, state = automaton_of(drive), definition.initial_state(drive, start)
+    return definition, automaton, start, steady_state(automaton, state, max_events=most_work)
+
+
+def work_of_many(parts: Parts) -> int:
+    """Return the work that one of many motions may take, of which only the end is asked."""
+    return min(_WORK_OF_MANY // max(1, len(parts) ** 2), _WORK_OF_PARTS if parts else _WORK_OF_RIGID)
+
+
+def _shown(
+    drive: Drive, definition: Model, automaton: Automaton, start: dict[str, float], end: SteadyState
+) -> tuple[dict[str, float], float, NDArray[np.float64], NDArray[np.float64]]:
+    """Start, duration [s], times and states of a motion to be looked at.
+
+    A motion that ends in a cycle is shown for six periods, from a part of its speed, so that its growth takes little
+    time, from as late as it takes to come near the cycle, or, if that is long after, as behind a slow control, on the
+    cycle; any other starts as given and goes on for some swings.
+    """
+    swing = 2 * math.pi * math.sqrt(drive.screw_inertia / drive.coupling_stiffness)
+    orbit = None if end.label in _WITHOUT_CYCLE else end.orbit
+    span, ends = 12 * swing, np.zeros((2, 2))
+    if orbit is not None:
+        span = 6 * end.period
+        ends = np.array([orbit_extremes(orbit, row) for row in np.eye(2, len(automaton.states) + 1)])  # of u, w
+        start = {**start, "w": math.copysign(max(abs(start["w"]), 0.3 * np.abs(ends[1]).max()), start["w"])}
+    names, later = (*definition.required, *definition.optional), start
+    for _ in range(64):
+        start = later
+        motion = follow(automaton, definition.initial_state(drive, start), span)
+        late, _ = motion.at(np.linspace(0.5 * span, span, _SAMPLES // 4 + 1))
+        off = np.abs([late[:, :2].min(axis=0), late[:, :2].max(axis=0)] - ends.T)
+        if orbit is None or (off <= 0.05 * np.ptp(ends, axis=1)).all():
+            break
+        later = dict(zip(names, late[-1].tolist(), strict=True))
+    else:
+        assert orbit is not None
+        start = dict(zip(names, orbit.at([0.5 * end.period])[0][0].tolist(), strict=True))
+        motion = follow(automaton, definition.initial_state(drive, start), span)
+    times = np.linspace(0.0, span, _SAMPLES + 1)
+    states, _ = motion.at(times)
+    return start, span, times, states
+
+
+def _load_row(drive: Drive, states: tuple[str, ...]) -> NDArray[np.float64]:
+    """Displacement of the load from steady travel [m] as a row over the state."""
+    row = np.zeros(len(states))
+    row[0] = drive.pitch_radius * math.tan(drive.lead_angle)
+    for name in ("screw_shift", "thread_mismatch"):  # [m]
+        if name in states:
+            row[states.index(name)] = 1.0
+    return row
+
+
+def _of_cycle(drive: Drive, orbit: Motion, row: NDArray[np.float64]) -> dict[str, Any]:
+    low, high = orbit_extremes(orbit, np.append(row, 0.0))
+    turning, rates = np.zeros(row.size + 1), np.zeros(row.size + 1)
+    turning[1], turning[-1] = 1.0, drive.input_speed
+    rates[1:-1:2], rates[-1] = row[::2], row[0] * drive.input_speed  # each coordinate is followed by its rate
+    impulses = np.abs(event_impulses(drive, orbit).normal)
+    normal = orbit_extremes(orbit, orbit.automaton.functional("normal_force"))
+    return {
+        "frequency": 1 / orbit.end_time,
+        "amplitude": 0.5 * (high - low),
+        "load_speed": _speeds(orbit, rates),
+        "screw_speed": _speeds(orbit, turning),
+        "peak_contact_force": float(max(map(abs, normal))),
+        "peak_impulse": float(impulses.max(initial=0.0)),
+    }
+
+
+def _speeds(orbit: Motion, row: NDArray[np.float64]) -> tuple[float, float]:
+    """Lowest and highest speed on a cycle, a row over the state and 1; what rounding leaves of standstill is zero."""
+    speeds = orbit_extremes(orbit, row)
+    rounding = 1e-12 * max(map(abs, speeds))
+    slowest, fastest = (0.0 if abs(speed) < rounding else speed for speed in speeds)
+    return slowest, fastest
+
+
+def tolerated(drive: Drive) -> Tolerated:
+    """Return the sudden change of the screw's speed [rad/s] that the rigid drive tolerates, and a sentence.
+
+    Infinite if motion comes back from any, zero if steady sliding is unstable, None if it is not known.
+    """
+    if not drive.rigid:
+        return None, TOLERATED["not_computed"]
+    try:
+        c = coefficients(drive)
+        ratio = 0.5 * float(c.damping[-1]) / math.sqrt(drive.coupling_stiffness * float(c.gamma[-1]))
+        if not (c.paradox or automaton_of(drive).contracts) and 0 < ratio < 2e-4:
+            return None, TOLERATED["hardly_damped"]  # the boundary winds through more than 10⁴ turns
+        found = resilience(drive).speed
+    except (InputError, EngineError) as error:
+        return None, str(error)
+    if found > 1e4 * abs(drive.input_speed):  # more than a drive meets; under a law no motion is followed for ever
+        words = "any" if found == math.inf and not friction.depends_on_speed(drive) else "any_sudden"
+        return math.inf, TOLERATED[words]
+    return found, TOLERATED["some" if found else "none"]
+
+
+def tolerated_by_trial(drive: Drive, stiff: float | None, parts: Parts = ("threads",)) -> Tolerated:
+    """Return the same of compliant threads, by motions after perturbations of either sign, without proof.
+
+    ``stiff``: what the drive with stiff threads tolerates [rad/s], around which others are tried; ``parts``: none
+    for a rigid drive with a law of friction.
+    """
+    threads = TOLERATED["threads"] if "threads" in parts else ""
+    definition = model_of(drive)
+
+    def ends(speed: float) -> str:
+        state = definition.initial_state(drive, {"u": 0.0, "w": speed})
+        return plain(steady_state(automaton, state, max_events=_WORK_OF_MANY // 3).label)
+
+    known = stiff if stiff is not None and 0 < stiff < math.inf else None
+    scale = known or abs(drive.input_speed)
+    compared = known is not None and parts == ("threads",)  # which is all that the other drive does not have
+    tried = TOLERATED["tried_threads" if threads else "tried"]
+    if compared:
+        tried = f"{tried} {TOLERATED['beside'].format(size=shown(stiff, 'rad/s'))}"
+    low = 0.0
+    try:
+        automaton = automaton_of(drive)
+        slightest = ends(NUDGE**2 * scale)
+        if slightest != "steady sliding":  # without damping it neither comes back nor vibrates more and more
+            known = 0.0 if slightest not in ("neutral family", "unresolved") else None
+            return known, "" if known is None else TOLERATED["unstable"].format(threads=threads)
+        sizes = [scale * part for part in (0.1, 0.25, 0.5, 0.75, 0.95, 1.2, 2.0, 5.0)]
+        while sizes[-1] < STRONG * abs(drive.input_speed):
+            sizes.append(2 * sizes[-1])
+        for size in sizes:
+            found = {sign: ends(sign * size) for sign in (1, -1)}
+            lost = [sign for sign, end in found.items() if end != "steady sliding"]
+            if "unresolved" in found.values():
+                return None, TOLERATED["unresolved"].format(threads=threads)
+            if lost:
+                high = size
+                for _ in range(6):  # until the ends of the bracket are some 1 % apart
+                    middle = 0.5 * (low + high)
+                    calm = all(ends(sign * middle) == "steady sliding" for sign in lost)
+                    low, high = (middle, high) if calm else (low, middle)
+                return low, tried
+            low = size
+    except (InputError, EngineError) as error:
+        return None, str(error)
+    return math.inf, TOLERATED["all_tried"].format(size=shown(low, "rad/s"), threads=threads)

@@ -1,0 +1,336 @@
+"""The attractor that a motion of any model reaches: the one rule by which every label of a motion is decided.
+
+The way of a label: here → :mod:`lsvib.systems.kernels.attractor` (the rule) →
+:mod:`lsvib.systems.kernels.poincare_map` (section, returns, fixed points) → :mod:`lsvib.systems.kernels.saltation`
+(their derivatives), which follow motions by the engine. Maps, sweeps and charts ask nothing else.
+
+The rule, for any number of states. The motion is followed, 16 events, 64, and then twice as many again and again.
+
+1. The engine proves that no guard can fire again: the motion stays in one linear mode for ever, and ends in steady
+   sliding or rest; if nothing damps what is excited, in one of a *neutral* family; if that grows, it is unbounded.
+2. Otherwise its events recur. The *section* is that of the rarest events of the later half. If its state repeats after
+   1 to 64 returns, or in 64 events or more comes nearest after 1 to 8, Newton's method with the exact derivative P′
+   solves P(y) = y for the map P of so many returns (:mod:`lsvib.systems.section`). It ends in that fixed point if
+
+   * its multipliers, the eigenvalues of P′, lie inside the unit circle beyond the rounding of P′ – or on it, if the
+     motion repeats and nothing damps –,
+   * the motion has come nearer with every return, in the norm in which P′ contracts, and
+   * returns from all along the way to it have the same events.
+
+   It is a cycle, or steady sliding where that lies on a surface.
+3. A motion that leaves the range of numbers is unbounded, if energy can grow in the model.
+4. What the budget does not suffice for is unresolved, for a reason that is named (:class:`Doubt`): this happens to
+   chaos, to cycles of more than 8 returns that attract slowly, and where so little damps that a turn changes nothing.
+
+No waiting time enters, and nothing depends on other motions.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import IntEnum, StrEnum
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from lsvib.errors import AccumulationError, DivergenceError, EngineError, UndecidedError, WorkSpentError
+from lsvib.systems.automaton import Automaton
+from lsvib.systems.kernels import attractor as rule
+from lsvib.systems.kernels import event_loop, jit
+from lsvib.systems.kernels.poincare_map import LONGEST, ON_CIRCLE
+from lsvib.systems.kernels.single_mode import Outcome
+from lsvib.systems.machine import blank, machine_for, of_one_type
+from lsvib.systems.motion import Motion, bouncing, engine_for, enter, follow, new_events
+
+
+class Attractor(IntEnum):
+    """Where a motion ends up."""
+
+    UNRESOLVED = -1
+    STEADY_SLIDING = 0
+    STICK_SLIP_CYCLE = 1
+    SPRAG_SLIP_CYCLE = 2
+    OTHER_CYCLE = 3  # a cycle of pure slip, in which nothing sticks
+    UNBOUNDED = 4  # only of a system that is not passive
+    REST = 5  # at rest for ever
+    NEUTRAL_FAMILY = 6  # undamped oscillations side by side, each periodic, none attracting the others
+
+
+class Doubt(StrEnum):
+    """Why the attractor of a motion is unresolved; nothing else is ever the reason."""
+
+    EVENT_BUDGET = "event budget exhausted"
+    RECURRENT = "event budget exhausted by a vibration that hardly changes in size and has no period that was found"
+    WORK_BUDGET = "work budget exhausted by the search for one event"
+    ROUNDING = "start or motion on a boundary to rounding"
+    ACCUMULATION = "events accumulate, and the model does not say what follows"
+    RANGE = "motion leaves the range of numbers"
+    ENGINE = "no answer of the engine"
+    COMMAND = "the commanded speed does not come to input_speed for good within the duration"
+
+    @classmethod
+    def of(cls, error: EngineError) -> "Doubt":
+        """Return what an error of the engine stands for."""
+        return next((doubt for kind, doubt in _MEANT.items() if isinstance(error, kind)), cls.ENGINE)
+
+
+_MEANT = {
+    DivergenceError: Doubt.RANGE,
+    AccumulationError: Doubt.ACCUMULATION,
+    UndecidedError: Doubt.WORK_BUDGET,
+    WorkSpentError: Doubt.EVENT_BUDGET,
+}
+_UNRESOLVED: dict[int, Doubt] = {
+    Outcome.SPENT: Doubt.EVENT_BUDGET,
+    Outcome.SPENT_STEADILY: Doubt.RECURRENT,
+    Outcome.SEARCH_SPENT: Doubt.WORK_BUDGET,
+    Outcome.ACCUMULATES: Doubt.ACCUMULATION,
+    Outcome.LOST: Doubt.ENGINE,
+}
+
+
+@dataclass(frozen=True)
+class SteadyState:
+    """The attractor of a motion.
+
+    ``label`` names it, and ``state`` (n) is the equilibrium or the state on the section. A cycle also has ``orbit``,
+    one period as a motion from the point on the section; ``returns``, the number of returns to the section in a period;
+    ``residual`` [1], the change of the section state over one period relative to the size of the motion; and
+    ``multiplier`` [1], the largest of the return map, or its magnitude if it is complex. ``doubt`` says why an
+    attractor is unresolved.
+    """
+
+    label: Attractor
+    state: np.ndarray
+    orbit: Motion | None = None
+    returns: int = 0
+    residual: float = math.nan
+    multiplier: float = math.nan
+    doubt: Doubt | None = None
+
+    def __repr__(self) -> str:
+        sizes = f"period={self.period:.9g}, amplitude={self.amplitude:.9g}, " if self.orbit else ""
+        return f"SteadyState({self.label.name}, {sizes}state={self.state}, doubt={self.doubt and self.doubt.name})"
+
+    @classmethod
+    def unresolved(cls, state: np.ndarray, doubt: "Doubt | EngineError") -> "SteadyState":
+        """Return the attractor that is not known of a motion, whose last state (n) is known, and why."""
+        return cls(Attractor.UNRESOLVED, state, doubt=doubt if isinstance(doubt, Doubt) else Doubt.of(doubt))
+
+    @property
+    def period(self) -> float:
+        """Period [s]; nan for an equilibrium."""
+        return self.orbit.end_time if self.orbit else math.nan
+
+    def same_period(self, other: "SteadyState") -> bool:
+        """Whether two cycles have one period, as two motions reach them."""
+        return abs(self.period - other.period) <= 1e-6 * self.period
+
+    def extremes(self, row: np.ndarray) -> tuple[float, float]:
+        """Return the extremes over the cycle of an affine function (n + 1) or an observable (m, n + 1)."""
+        if self.orbit is None:
+            value = float(row[:-1] @ self.state + row[-1])
+            return value, value
+        return orbit_extremes(self.orbit, row)
+
+    @property
+    def amplitude(self) -> float:
+        """Half the peak-to-peak of u [rad]."""
+        low, high = self.extremes(np.eye(1, self.state.size + 1)[0])
+        return 0.5 * (high - low)
+
+
+class Course(NamedTuple):
+    """A motion until its end is determined: time [s], events and modes that sprag, first event (−1: none)."""
+
+    time: float
+    sprags: int
+    first_event: int
+
+
+class KnownCycles(NamedTuple):
+    """Cycles that a motion may be found to join, before others are looked for, and what is asked of the rule."""
+
+    cycles: Sequence[SteadyState]
+    asked: rule.Asked
+
+    @classmethod
+    def of(cls, cycles: Sequence[SteadyState], automaton: Automaton, patience: int) -> "KnownCycles":
+        """Return the table of cycles of an automaton; neutral families and cycles without events do not count.
+
+        ``patience``: events after which other cycles are looked for as well.
+        """
+        states = len(automaton.states)
+        own = [one for one in cycles if one.orbit is not None and one.orbit.time.size]
+        orbits = [one.orbit for one in own if one.orbit is not None]
+        kind, mode = (np.array([getattr(o, name)[-1] for o in orbits], dtype=np.int64) for name in ("kind", "mode"))
+        visits = [np.sum((o.kind == o.kind[-1]) & (o.mode == o.mode[-1])) for o in orbits]
+        point, size = np.empty((2, len(orbits), states))
+        for k, orbit in enumerate(orbits):
+            point[k], size[k] = orbit.after[-1], np.maximum(np.abs(orbit.after).max(axis=0), np.finfo(float).tiny)
+        events = np.array([o.time.size for o in orbits], dtype=np.int64)
+        table = rule.Known(kind, mode, np.array(visits, dtype=np.int64), events, point, size)
+        return cls(own, rule.Asked(facts_of(automaton), table, patience))
+
+
+def steady_state(
+    automaton: Automaton, state: ArrayLike, *, mode: int | None = None, max_events: int = 300_000
+) -> SteadyState:
+    """Find the attractor of the motion of any model from ``state`` (n), in ``mode`` if given.
+
+    ``max_events`` bounds the work, of the motion and of the returns by which its map is solved, in units of one
+    ordinary event. The rule is that of the module docstring; besides, the model may vouch that slip makes every area of
+    the phase plane smaller (``Automaton.contracts``): then all motions end in steady sliding.
+    """
+    return end_of_motion(automaton, state, mode=mode, max_events=max_events)[0]
+
+
+def end_of_motion(
+    automaton: Automaton,
+    state: ArrayLike,
+    *,
+    mode: int | None = None,
+    max_events: float = 300_000,
+    known: KnownCycles | None = None,
+) -> tuple[SteadyState, Course]:
+    """Return the attractor of a motion, as :func:`steady_state` does, and its course until that is determined.
+
+    With ``known`` cycles the motion is looked at after every 64 events: it has joined one of them when its last four
+    points on the cycle's section tend to the cycle's point, in geometric steps with as many events between them as the
+    cycle has.
+    """
+    here = np.array(state, dtype=float)
+    if shrinks_areas(automaton):
+        return SteadyState(Attractor.STEADY_SLIDING, np.zeros_like(here)), Course(math.nan, 0, -1)
+    if mode is None:
+        mode, here = enter(automaton, here)
+    known = known or KnownCycles.of((), automaton, 0)
+    found = new_found(here.size, max_events)
+    engine = automaton.engines.pop() if automaton.engines else engine_for(automaton.tables)
+    machine, tables = machine_for(automaton.tables, engine), of_one_type(automaton.tables)
+    outcome = rule.end_of(machine, tables, known.asked, mode, here, records(here.size), found)
+    automaton.engines.append(engine)
+    notes = found.notes[0]
+    course = Course(float(notes["time"]), int(notes["sprags"]), int(notes["first_event"]))
+    return _meant(automaton, outcome, found, known), course
+
+
+def compile_rule() -> None:
+    """Compile and cache the rule for all kinds of flow, so that parallel jobs find it."""
+    automaton, state = bouncing("planar"), np.zeros(2)
+    known = KnownCycles.of((), automaton, 0)
+    tables, found = of_one_type(automaton.tables), new_found(2, 1.0)
+    jit.address(rule.end_of, blank(2), tables, known.asked, 0, state, records(2), found)
+
+
+def records(states: int) -> rule.Records:
+    """Return the room for events that the rule needs: for those of the motion, and for two periods."""
+    return rule.Records(new_events(rule.SIGHT, states), new_events(LONGEST, states), new_events(LONGEST, states))
+
+
+def shrinks_areas(automaton: Automaton) -> bool:
+    """Whether the model vouches that every motion ends in steady sliding: areas shrink, so no orbit is closed."""
+    return automaton.contracts and not conserves(automaton)
+
+
+def facts_of(automaton: Automaton) -> rule.Facts:
+    """Return what the rule needs to know of the modes and events of a model."""
+    rests, held, jams = (automaton.marked(automaton.codes, mark) for mark in ("rest", "held", "jam"))
+    impacts = automaton.marked(np.arange(128), "impact")  # kinds of events are numbers of eight bits
+    return rule.Facts(rests, rests | held, jams, impacts, bool(np.all(conserves(automaton))))
+
+
+def conserves(automaton: Automaton) -> Any:
+    """Whether all modes in motion preserve areas or volumes, because nothing damps; of many systems for each (k)."""
+    return automaton.flow.conserves(~automaton.marked(automaton.codes, "rest"))
+
+
+def new_found(states: int, work: float) -> rule.Found:
+    """Return what the rule fills, with the work that may be spent."""
+    notes = np.zeros(1, dtype=rule.NOTES)
+    notes["left"] = work
+    return rule.Found(notes, np.zeros(states), np.zeros((states, states)))
+
+
+def _meant(automaton: Automaton, outcome: int, found: rule.Found, known: KnownCycles) -> SteadyState:
+    state, mode = found.state.copy(), int(found.notes[0]["mode"])
+    if outcome == Outcome.KNOWN:
+        return known.cycles[int(found.notes[0]["index"])]
+    if outcome == Outcome.SLIDES:
+        label = Attractor.REST if automaton.stands else Attractor.STEADY_SLIDING
+        return SteadyState(label, automaton.flow.equilibrium(mode))
+    if outcome == Outcome.RESTS:
+        return SteadyState(Attractor.REST, state)
+    if outcome == Outcome.GROWS:
+        if automaton.passive:  # only rounding hides the next event
+            return SteadyState.unresolved(state, Doubt.RANGE)
+        return SteadyState(Attractor.UNBOUNDED, state)
+    if outcome in _UNRESOLVED:
+        return SteadyState.unresolved(state, _UNRESOLVED[outcome])
+    try:
+        if outcome == Outcome.OSCILLATES:
+            return _oscillation(automaton, mode, state, float(found.notes[0]["frequency"]))
+        return _cycle(automaton, found, known)
+    except EngineError as error:
+        return SteadyState.unresolved(state, error)
+
+
+def _oscillation(automaton: Automaton, mode: int, state: np.ndarray, frequency: float) -> SteadyState:
+    """Return one of a neutral family in one mode; several frequencies (``frequency`` zero) have no common period."""
+    if not frequency:
+        return SteadyState(Attractor.NEUTRAL_FAMILY, state, multiplier=1.0)
+    orbit = follow(automaton, state, 2 * math.pi / frequency, mode=mode)
+    return SteadyState(Attractor.NEUTRAL_FAMILY, state, orbit, 1, 0.0, 1.0)
+
+
+def _cycle(automaton: Automaton, found: rule.Found, known: KnownCycles) -> SteadyState:
+    notes, state, facts = found.notes[0], found.state.copy(), known.asked.facts
+    d = int(notes["dimension"])
+    orbit = follow(automaton, state, math.inf, mode=int(notes["mode"]), max_events=int(notes["events"]))
+    label, leading = cycle_label(orbit), float(largest(found.slopes[:d, :d]))
+    neutral = facts.conserves and abs(leading) > 1 - ON_CIRCLE and label != Attractor.SPRAG_SLIP_CYCLE
+    modes, _, _, durations = orbit.arcs()
+    # part of a period for which the largest of a neutral family seems to rest where it touches θ′ = 0
+    brief = label == Attractor.STICK_SLIP_CYCLE and durations[facts.sticks[modes]].sum() <= 1e-6 * orbit.end_time
+    label = Attractor.NEUTRAL_FAMILY if neutral or (facts.conserves and brief) else label
+    size = np.maximum(np.abs(orbit.after).max(axis=0), np.finfo(float).tiny)
+    residual = float(np.max(np.abs(orbit.end_state - state) / size))
+    return SteadyState(label, state, orbit, int(notes["returns"]), residual, leading)
+
+
+def cycle_label(orbit: Motion) -> Attractor:
+    """Return the label of a cycle that is no family: sprag–slip if it sprags, stick–slip if a part sticks, or other."""
+    automaton, codes = orbit.automaton, orbit.automaton.codes[orbit.arcs()[0]]
+    if automaton.marked(orbit.kind, "impact").any() or automaton.marked(codes, "jam").any():
+        return Attractor.SPRAG_SLIP_CYCLE
+    return Attractor.STICK_SLIP_CYCLE if automaton.marked(codes, "rest", "held").any() else Attractor.OTHER_CYCLE
+
+
+def largest(slopes: np.ndarray) -> np.ndarray:
+    """Return the eigenvalues of P′ (..., d, d) of the largest magnitude, or that if they are complex; 0 if d = 0."""
+    if slopes.shape[-1] == 0:
+        return np.zeros(slopes.shape[:-2])
+    values = np.linalg.eigvals(slopes)
+    leading = np.take_along_axis(values, np.abs(values).argmax(axis=-1)[..., None], axis=-1)[..., 0]
+    return np.where(leading.imag == 0, leading.real, np.abs(leading))
+
+
+def orbit_extremes(orbit: Motion, row: np.ndarray, wanted: np.ndarray | None = None) -> tuple[float, float]:
+    """Exact extremes along a motion of an affine function (n + 1) or of an observable (modes, n + 1).
+
+    With ``wanted`` (modes) over the arcs in these modes only, and not a number where there is none. Raises
+    ``EngineError`` where the rates of a mode lie too far apart to isolate them.
+    """
+    automaton = orbit.automaton
+    modes, starts, _, durations = orbit.arcs()
+    if wanted is not None:
+        chosen = wanted[modes]
+        if not chosen.any():
+            return math.nan, math.nan
+        modes, starts, durations = modes[chosen], starts[chosen], durations[chosen]
+    functionals = np.array(np.broadcast_to(row, (len(automaton.codes), row.shape[-1])), order="C")
+    low, high = event_loop.extremes_of_arcs(automaton.tables.flow, modes, starts, durations, functionals)
+    if not (math.isfinite(low) and math.isfinite(high)):
+        raise EngineError("the extremes of the motion cannot be isolated: the rates of a mode lie too far apart.")
+    return low, high

@@ -1,0 +1,410 @@
+r"""Cycles over a parameter: a chain of smooth pieces, through folds and borders, by pseudo-arclength continuation.
+
+On a *piece* all cycles have one itinerary, and the equations of :mod:`lsvib.systems.shooting` are smooth. The next
+point is sought by Newton's method in the plane across the tangent at the last one; it has to have the same itinerary,
+and to lie where the tangent points, else the step is halved. At a *fold* a multiplier passes +1: the tangent has no
+part in the parameter, whose value there is exact to rounding, as it is stationary.
+
+Where a piece ends – a graze, two events that fall together, a rest of no length, a mode that is no more – is a
+*border*, found to the last place at which its itinerary closes. Behind it a cycle of other events closes on the same
+orbit, or none does. Motions are tried from next to that orbit, on either side of the parameter; from those with
+other events Newton's method seeks a cycle, at three distances δ from the border: one that comes nearer to the orbit as
+δ falls is the next piece. It may lie on the same side, so that two cycles meet at the border, a fold without
+derivative.
+"""
+
+import math
+from collections import Counter
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from lsvib.errors import EngineError, InputError
+from lsvib.numbers import Progress, bisected
+from lsvib.systems.cycles import Cycle, cycle_from, same_cycle
+from lsvib.systems.section import AT_REST
+from lsvib.systems.shooting import Build, Itinerary, Shooting, Shot, Solved, Units, alike
+
+_FIRST = 1e-2  # step of a piece, in sizes of the motion and of the parameter
+_LONGEST = 2.5e-2
+_SMALLEST = 1e-7  # steps of less that fail are at a border
+_STEEP = 0.2  # part of the parameter in a tangent; where it has more no fold is near, and Newton's method keeps it
+_TO_ROUNDING = 1e-16
+_DISTANCES = (1e-4, 1e-6, 1e-8)  # δ from a border, in q
+_NEARER = 0.3  # most that is left of the distance from the orbit where δ falls to its hundredth; its root leaves 0.1
+_BACK = "it comes back to where it began"
+_FLAT = 1e-10  # in q, by which rounding may turn a branch
+_NOTHING = 1e-4  # extent of a cycle, in sizes of the motion, that is about to vanish
+
+
+@dataclass(frozen=True)
+class Change:
+    """Something happens at a ``value`` [SI unit] of the parameter, at a length ``along`` [1] of the branch.
+
+    ``kind`` is fold, itinerary, stability, or end; ``what`` says it in words, as ``along`` grows.
+    """
+
+    kind: str
+    value: float
+    what: str
+    along: float
+
+
+@dataclass(frozen=True)
+class BranchPoint:
+    """A cycle of the branch at a ``value`` [SI unit] of the parameter; ``along``: length [1] from its start."""
+
+    value: float
+    cycle: Cycle
+    along: float
+
+
+@dataclass(frozen=True)
+class CycleBranch:
+    """A branch of cycles over a ``parameter``: its ``points`` in order, and the ``changes`` along it."""
+
+    parameter: str
+    points: tuple[BranchPoint, ...]
+    changes: tuple[Change, ...]
+
+    @property
+    def folds(self) -> list[float]:
+        """Values of the parameter [SI unit] at folds."""
+        return [change.value for change in self.changes if change.kind == "fold"]
+
+
+def follow_cycle(
+    cycle: Cycle,
+    build: Build,
+    parameter: str,
+    start: float,
+    span: tuple[float, float],
+    most: int,
+    progress: Progress | None,
+) -> CycleBranch:
+    """Follow a cycle over a parameter, both ways from its own value ``start``, as far as it goes within ``span``.
+
+    Arguments: ``build`` makes the automaton at a value, or raises ``InputError``; ``most`` points each way;
+    ``progress`` is called with the number of points found, and ``most`` for a way that has ended, and with twice
+    ``most``. Raises ``InputError`` if the cycle cannot be followed at all.
+    """
+    (low, below), (high, above) = (_allowed(build, start, end) for end in span)
+    sizes = np.abs(cycle.orbit.at(cycle.period * np.linspace(0.0, 1.0, 200))[0]).max(axis=0)
+    units = Units(build, np.where(sizes == 0, 1.0, sizes), cycle.period, abs(start) or max(-low, high), (low, high))
+    down, up = (_Walk(units, (below, above), cycle, most, way) for way in (-1.0, 1.0))
+    for walk, before in ((down, 0), (up, most)):
+        if any(change.what == _BACK for change in down.changes):  # all of it is known
+            up.points = down.points[:1]
+            continue
+        for found in walk.go(start):
+            if progress is not None:
+                progress(before + found, 2 * most)
+    points = [replace(point, along=-point.along) for point in reversed(down.points[1:])]
+    changes = [replace(change, along=-change.along) for change in reversed(down.changes)]
+    return CycleBranch(parameter, (*points, *up.points), (*changes, *up.changes))
+
+
+def _allowed(build: Build, start: float, end: float) -> tuple[float, str]:
+    """The last value towards an end of the span at which there is a system, and what ends there, in words."""
+
+    def refused(value: float) -> str:
+        try:
+            build(value)
+        except (InputError, EngineError) as error:
+            return f"beyond, the value is refused: {error}"
+        return ""
+
+    if not refused(end):
+        return end, "the range ends"
+    last = bisected(lambda value: not refused(value), end, start)
+    return last, refused(math.nextafter(last, end))
+
+
+@dataclass
+class _Walk:
+    """The branch from its ``first`` cycle one ``way`` of the parameter (1 or −1); ``ends`` of the span, in words."""
+
+    units: Units
+    ends: tuple[str, str]
+    first: Cycle
+    most: int
+    way: float
+    points: list[BranchPoint] = field(default_factory=list)
+    changes: list[Change] = field(default_factory=list)
+
+    def go(self, start: float) -> Iterator[int]:
+        """Follow the branch from a value to its end; yields the number of points as it grows, at last the most."""
+        shooting = Shooting(self.units, self.first.orbit)
+        here = shooting.here(self.first.period, start, np.array([0.0, self.way]))
+        if here is None:
+            raise InputError("the cycle cannot be followed: its return map has no derivative.")
+        self.points.append(BranchPoint(start, self.first, 0.0))
+        step = _FIRST
+        there: Solved | None = here
+        while there is not None and not self._ends(here):
+            yield len(self.points)
+            # no longer than a part of a cycle that shrinks
+            there, step = _stepped(shooting, here, min(step, _LONGEST, 0.3 * _extent(shooting, here)))
+            cycle = None if there is None else _cycle(there)
+            if there is None or cycle is None:  # next to a graze, where neighbours grow, it may not close to rounding
+                last = _last(shooting, here) if there is None else here
+                there, step = self._behind(shooting, here, last), _FIRST
+            elif not self._reached(shooting, here, there, cycle):
+                there = None
+            if there is not None:
+                shooting, here = _centred(shooting, there)
+        yield self.most
+
+    def _ends(self, here: Solved) -> bool:
+        """Whether the branch ends at a point that is noted: of the span, or the last that is allowed."""
+        if len(self.points) >= self.most:
+            self._change("end", here, "the branch is longer than the number of points")
+        elif not self.units.holds(here.z[-1] + math.copysign(2 * AT_REST, here.tangent[-1])):
+            self._change("end", here, self.ends[int(here.tangent[-1] > 0)])
+        return bool(self.changes) and self.changes[-1].kind == "end"
+
+    def _change(self, kind: str, at: Solved, what: str, further: float = 0.0) -> None:
+        """Note a change at a point, so much further along than the last point."""
+        self.changes.append(Change(kind, self.units.value(at.z), what, self.points[-1].along + further))
+
+    def _reached(self, shooting: Shooting, here: Solved, there: Solved, cycle: Cycle) -> bool:
+        """Note a point of the same piece and what changes on the way to it; returns whether the branch goes on."""
+        turn, (before, now) = here, (_extent(shooting, one) for one in (here, there))
+        if now < _NOTHING:
+            gone = there.z + (now / (before - now) if before > now else 0.0) * (there.z - here.z)
+            self._change("end", replace(there, z=gone), "it shrinks to nothing")
+            return False
+        if here.tangent[-1] * there.tangent[-1] < 0:
+            turn = _halved(shooting, here, there, lambda other: other.tangent[-1] * here.tangent[-1] > 0)
+        if turn is here:
+            self._compare(shooting, here, there, cycle)
+        elif (parts := _parts(shooting, turn)) > 1:
+            self._change("end", turn, f"its {parts} parts become one cycle, of a period of 1/{parts} of its own")
+            return False
+        elif (turn.z[-1] - here.z[-1]) * (turn.z[-1] - there.z[-1]) > _FLAT**2:  # beyond both, and not by rounding
+            self._change("fold", turn, "two cycles meet", float(np.linalg.norm(turn.z - here.z)))
+        self._add(here, there, cycle)
+        back = self._comes_back(shooting, here, there)
+        if back:
+            self._change("end", there, _BACK)
+        return not back
+
+    def _add(self, here: Solved, there: Solved, cycle: Cycle) -> None:
+        along = self.points[-1].along + float(np.linalg.norm(there.z - here.z))
+        self.points.append(BranchPoint(self.units.value(there.z), cycle, along))
+
+    def _compare(self, shooting: Shooting, here: Solved, there: Solved, cycle: Cycle) -> None:
+        """Note a change of stability between two points of a piece."""
+        before = self.points[-1].cycle
+        outside = _outside(before)
+        if outside == _outside(cycle) or before.neutral or cycle.neutral:
+            return
+        point = _halved(shooting, here, there, lambda other: _outside(_cycle(other)) == outside)
+        leading = (_cycle(point) or before).multipliers[0]
+        what = "a pair of multipliers" if leading.imag else f"a multiplier {'+1' if leading.real > 0 else '−1'}"
+        self._change("stability", point, f"{what} passes the unit circle", float(np.linalg.norm(point.z - here.z)))
+
+    def _comes_back(self, shooting: Shooting, here: Solved, there: Solved) -> bool:
+        """Whether the branch passes its first cycle between two points."""
+        start = self.units.counted(self.points[0].value)
+        part = (start - here.z[-1]) / (there.z[-1] - here.z[-1]) if there.z[-1] != here.z[-1] else 0.0
+        if not 0.0 < part <= 1.0:
+            return False
+        again = shooting.fixed(np.append((here.z + part * (there.z - here.z))[:-1], start))
+        cycle = None if again is None else _cycle(again)
+        return cycle is not None and same_cycle(cycle, self.first)
+
+    def _behind(self, shooting: Shooting, here: Solved, last: Solved) -> Solved | None:
+        """Note a border, at the last point of a piece, and the first point behind it, or why there is none."""
+        behind, nearest = _other(shooting, last)
+        cycle, further = None if behind is None else _cycle(behind), float(np.linalg.norm(last.z - here.z))
+        if behind is None or cycle is None:
+            self._change("end", last, self._why(shooting, last, nearest), further)
+            return None
+        words = _in_words(last, behind) if self.way > 0 else _in_words(behind, last)
+        if words:
+            self._change("itinerary", last, words, further)
+        if last.tangent[-1] * (behind.z[-1] - last.z[-1]) < 0:
+            self._change("fold", last, "two cycles meet, of different events", further)
+        self._add(here, behind, cycle)
+        return behind
+
+    def _why(self, shooting: Shooting, last: Solved, nearest: Solved | None) -> str:
+        """What is known of why no piece is found behind the last point of one; ``nearest``: a cycle that is there."""
+        extent = _extent(shooting, last)
+        if extent < 1e2 * _NOTHING:
+            return f"it has shrunk to {100 * extent:.1g} % of the motion at its start, and is not found further"
+        beyond = next(_otherwise(shooting, last), None)
+        if beyond is None:
+            return "no further cycle is found, by Newton's method or by motions from next to its orbit"
+        what = f"it {_in_words(last, beyond) or 'changes the order of its events'}"
+        if last.rests and not beyond.rests:
+            what = "it no longer comes to rest"
+        if not alike(last.motion.automaton, beyond.motion.automaton):
+            what += " as the system gets other modes"
+        other = "" if nearest is None else f"; the nearest has a period of {nearest.motion.end_time:.9g} s"
+        return f"{what}, and no cycle of other events is found to close on its orbit{other}"
+
+
+def _stepped(shooting: Shooting, here: Solved, step: float) -> tuple[Solved | None, float]:
+    """The next point of a piece, not beyond the span, and the step to try from there; None at a border.
+
+    Where the step fails it is halved, and then what is left of it, so that points soon come close to a border.
+    """
+
+    def taken(step: float) -> Solved | None:
+        there = _on_piece(shooting, here, step)
+        found = None if there is None else shooting.directed(there, there.z - here.z)
+        return found if found is not None and found.tangent @ here.tangent >= 0.9 else None  # it turned too much
+
+    there = taken(step)
+    if there is not None:
+        return there, 1.5 * step
+    low, high = 0.0, step
+    while high >= _SMALLEST and high - low > 0.2 * high:
+        middle = 0.5 * (low + high)
+        found = taken(middle)
+        low, high, there = (low, middle, there) if found is None else (middle, high, found)
+    return there, high - low
+
+
+def _last(shooting: Shooting, here: Solved) -> Solved:
+    """The last point of a piece that ends within a smallest step."""
+    left, last = 2 * _SMALLEST, here
+    while left > _TO_ROUNDING:
+        left *= 0.5
+        found = _on_piece(shooting, last, left)
+        last = last if found is None else replace(found, tangent=here.tangent)
+    return last
+
+
+def _on_piece(shooting: Shooting, here: Solved, step: float) -> Solved | None:
+    """The point of the piece a step ahead, or at the end of the span before it; None if it is not where that leads."""
+    units, ahead = shooting.units, here.tangent
+    guess = here.z + step * ahead
+    across = None if abs(ahead[-1]) > _STEEP else ahead
+    if not units.holds(guess[-1]):
+        step, across = (units.counted(units.value(guess)) - here.z[-1]) / ahead[-1], None
+        guess = here.z + step * ahead
+    there = shooting.solved(guess, across, here.slope, here.itinerary)
+    if there is None or there.itinerary != here.itinerary or shooting.across(there) < 0.5:  # the plane may soon miss it
+        return None
+    if np.linalg.norm(there.z - guess) > 0.25 * step + 1e-10:  # by which it may bend; rounding adds to small steps
+        return None
+    return replace(there, tangent=-there.tangent) if there.tangent @ ahead < 0 else there
+
+
+def _halved(shooting: Shooting, here: Solved, there: Solved, holds: Callable[[Solved], bool]) -> Solved:
+    """The last point on the way to another at which a condition holds, to a billionth of the way."""
+    length = float(here.tangent @ (there.z - here.z))
+    low, high, point = 0.0, length, here
+    while high - low > 1e-9 * length:
+        middle = 0.5 * (low + high)
+        found = _on_piece(shooting, here, middle)
+        low, high, point = (low, middle, point) if found is None or not holds(found) else (middle, high, found)
+    return point
+
+
+def _centred(shooting: Shooting, here: Solved) -> tuple[Shooting, Solved]:
+    """The same point by equations from the middle of an arc, where it is not near that and has a tangent there."""
+    other = shooting if shooting.centred(here) else Shooting(shooting.units, here.motion)
+    again = here if other is shooting else other.here(here.motion.end_time, shooting.units.value(here.z), here.tangent)
+    return (shooting, here) if again is None else (other, again)
+
+
+def _other(shooting: Shooting, last: Solved) -> tuple[Solved | None, Solved | None]:
+    """The cycle of other events that closes on the orbit of the last cycle of a piece, and the nearest that does not.
+
+    One with which the parameter goes on comes first.
+    """
+    onward, nearest, least = math.copysign(1.0, last.tangent[-1]), None, math.inf
+    for sign in (onward, -onward):
+        before: dict[Itinerary, float] = {}
+        for distance in _DISTANCES:
+            q, after = last.z[-1] + sign * distance, dict[Itinerary, float]()
+            for there in _near(shooting, last, q, distance) if shooting.units.holds(q) else ():
+                away = after[there.itinerary] = float(np.linalg.norm(there.z - last.z))
+                if away <= _NEARER * before.get(there.itinerary, 0.0):
+                    found = shooting.directed(there, np.array([0.0, sign]))  # away from the border
+                    if found is not None:
+                        return found, None
+                if away < least:
+                    nearest, least = there, away
+            before = after
+    return None, nearest
+
+
+def _near(shooting: Shooting, last: Solved, q: float, distance: float) -> Iterator[Solved]:
+    """Yield a cycle of each itinerary but the last one's that motions from around it lead to."""
+    seen = {last.itinerary}
+    for place in _around(shooting, last, q, distance):
+        shot = shooting.at(place)
+        if shot is None or shot.itinerary in seen:
+            continue
+        found = shooting.fixed(place)
+        if found is not None and found.itinerary not in seen:
+            seen.add(found.itinerary)
+            yield found
+
+
+def _otherwise(shooting: Shooting, last: Solved) -> Iterator[Shot]:
+    """Yield motions of other events from around the last cycle of a piece, the nearest first."""
+    onward = math.copysign(1.0, last.tangent[-1])
+    for distance in reversed(_DISTANCES):
+        for q in (last.z[-1] + onward * distance, last.z[-1] - onward * distance):
+            for place in _around(shooting, last, q, distance) if shooting.units.holds(q) else ():
+                shot = shooting.at(place, settled=True)
+                if shot is not None and shot.itinerary != last.itinerary:
+                    yield shot
+
+
+def _around(shooting: Shooting, last: Solved, q: float, distance: float) -> Iterator[np.ndarray]:
+    """Yield places at a value of the parameter: the last orbit's, next to it, and where motions from it come to."""
+    here = np.append(last.z[:-1], q)
+    yield here
+    for size in (1.0, 30.0):
+        for step in size * distance * np.eye(here.size)[:-2]:
+            yield here + step
+            yield here - step
+    for _ in range(8):  # periods, in which a motion comes to a cycle that attracts it
+        shot = shooting.at(here)
+        if shot is None:
+            return
+        here = np.array([*shot.motion.end_state / shooting.units.size, *here[-2:]])
+    yield here
+
+
+def _parts(shooting: Shooting, shot: Shot) -> int:
+    """In how many parts that are alike a period divides."""
+    events, size = shot.itinerary, shooting.units.size
+    for parts in range(len(events), 1, -1):
+        if events == events[: len(events) // parts] * parts:
+            (state,), _ = shot.motion.at([shot.motion.end_time / parts])
+            if (np.abs(state - shot.motion.start_state) / size).max() < 1e2 * _NOTHING:
+                return parts
+    return 1
+
+
+def _in_words(one: Shot, other: Shot) -> str:
+    """What events a cycle has not that another one has, and the other way round; passages are none of the motion."""
+    before, after = (Counter(shot.motion.automaton.in_words(shot.itinerary)) for shot in (one, other))
+    changes = ("loses", before - after), ("gains", after - before)
+    named = [(verb, ", ".join(f"{kind} into {mode}" for kind, mode in sorted(events))) for verb, events in changes]
+    return " and ".join(f"{verb} {events}" for verb, events in named if events).replace("_", " ")
+
+
+def _extent(shooting: Shooting, shot: Shot) -> float:
+    """The largest peak-to-peak of a coordinate over a period, in sizes of the motion."""
+    states, _ = shot.motion.at(shot.motion.end_time * np.linspace(0.0, 1.0, 16))
+    return float(np.max(np.ptp(states, axis=0) / shooting.units.size))
+
+
+def _cycle(solved: Shot) -> Cycle | None:
+    motion = solved.motion
+    start = motion.automaton, motion.start_state, motion.start_mode
+    return cycle_from(*start, motion.time.size, "continuation")
+
+
+def _outside(cycle: Cycle | None) -> int:
+    return -1 if cycle is None else int(np.sum(np.abs(cycle.multipliers) > 1))

@@ -1,0 +1,239 @@
+"""The Poincaré map of a section, its fixed points, attracting or repelling, and their multipliers with an error bound.
+
+The events of one kind that enter one mode lie on one surface, or on the intersection of several; the states there form
+an affine section. The map P takes a place y (d) on it to that of the motion after some returns; it is followed from
+event to event in closed form, and its derivative P′ is the exact product of flows and saltation matrices of
+:mod:`lsvib.systems.kernels.saltation`. Newton's step  y ← y + (I − P′)⁻¹ (P(y) − y)  asks nothing of the stability.
+
+The multipliers are the n − 1 eigenvalues of P′, zero where the section has fewer dimensions than n − 1. Their error
+has three parts: the rounding of the product, carried along entry by entry and weighted with the condition of the
+eigenvalue; what the uncertainty of the fixed point changes; and, for defective eigenvalues, the root of the former.
+Of stiff contacts that bound of the rounding is too large by ten decades, because it does not see that the fast motion
+has died away; there the rounding is measured instead, by how P′ scatters between places that differ by rounding.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from lsvib.errors import EngineError
+from lsvib.systems.automaton import Automaton
+from lsvib.systems.kernels import flow_planar, saltation
+from lsvib.systems.kernels import poincare_map as kernels
+from lsvib.systems.kernels.layout import Begin, Status
+from lsvib.systems.machine import derivative_of, of_one_type
+from lsvib.systems.motion import Budget, Motion, follow
+
+PATIENCE = 10  # time that a return may take, in times of the longest return seen
+AT_REST = 4 * flow_planar.EPS  # of a step of Newton's method: rounding
+CLOSE = 1e-8  # residual of a motion that is periodic, well above rounding times the growth of neighbours
+_MOST_WORK = 100_000  # of a return, in events: a second under a friction law
+_STEPS = (1e-6, 1e-9)  # in y, by which the change of P′ along the section is measured; the larger change counts
+
+
+@dataclass(frozen=True)
+class Derivative:
+    """Derivative ``matrix`` (n, n) of a state with respect to an earlier one; a bound (n, n) of its ``rounding``."""
+
+    matrix: np.ndarray
+    rounding: np.ndarray
+
+
+def derivative(motion: Motion) -> Derivative:
+    """Return the derivative of the state after a motion's last event with respect to its start.
+
+    nan if an event has none. The start's own mode is kept: neighbours start in it. A rounding beyond all numbers is
+    infinite or nan: a surface is hardly crossed there.
+    """
+    n = motion.start_state.size
+    matrix, rounding = np.empty((n, n)), np.empty((n, n))
+    tables = motion.automaton.tables
+    begin = Begin(motion.start_time, motion.start_mode, motion.start_state)
+    saltation.derivative(derivative_of(tables), of_one_type(tables), begin, motion.events(), matrix, rounding)
+    return Derivative(matrix, rounding)
+
+
+def eigenvalues(matrix: np.ndarray) -> tuple[np.ndarray, float]:
+    """Return the eigenvalues of a real matrix, complex, and the largest condition of one, |y| |x| / |yᵀx|."""
+    if len(matrix) == 1:
+        return matrix[0].astype(complex), 1.0
+    values, right = np.linalg.eig(matrix)
+    try:
+        left = np.linalg.inv(right)
+    except np.linalg.LinAlgError:
+        return values.astype(complex), math.inf
+    with np.errstate(over="ignore"):  # hypot alone keeps the squares of large entries within the range of numbers
+        conditions = np.hypot.reduce(np.abs(left), axis=1) * np.hypot.reduce(np.abs(right), axis=0)
+    return values.astype(complex), float(np.max(conditions))
+
+
+def section_key(motion: Motion) -> tuple[int, int] | None:
+    """Return kind and mode of the rarest events in the later half of a motion; None if it only touches guards."""
+    size = np.abs(motion.after).max(axis=0, initial=0.0)
+    found = kernels.rarest_event(motion.automaton.tables, motion.kind, motion.mode, motion.after, size)
+    return None if found < 0 else (int(motion.kind[found]), int(motion.mode[found]))
+
+
+def size_of(motion: Motion) -> np.ndarray:
+    """Return the size (n) of a motion at its events; a coordinate that is zero at all of them may have any."""
+    size = np.maximum(np.abs(motion.after).max(axis=0), np.abs(motion.before).max(axis=0))
+    return np.where(size == 0, 1.0, size)
+
+
+@dataclass
+class Section:
+    """The states near ``origin`` (n) in which events of one kind (``key``: kind, mode after) end.
+
+    A place y (d) counts the ``free`` coordinates from the origin in ``unit`` (n), those of the origin itself, because
+    an unloaded contact is far from its peak; the others follow from the surfaces of the automaton that the origin
+    meets. ``size`` (n) is that of the motion. One return of the map is made of ``returns`` returns to the section, each
+    of which may take ``PATIENCE`` times ``longest`` [s].
+    """
+
+    automaton: Automaton
+    key: tuple[int, int]
+    origin: np.ndarray
+    size: np.ndarray
+    returns: int
+    longest: float
+
+    def __post_init__(self) -> None:
+        """Lay the section."""
+        # least unit of a coordinate of the origin, relative to its size in the whole motion
+        self.unit = np.maximum(np.abs(self.origin), np.maximum(1e-6 * self.size, np.finfo(float).tiny))
+        surfaces = self.automaton.tables.surfaces
+        values = np.abs(surfaces[:, :-1] @ self.origin + surfaces[:, -1])
+        met = values <= flow_planar.ROUNDING * (np.abs(surfaces[:, :-1]) @ self.size + np.abs(surfaces[:, -1]))
+        n = self.origin.size
+        rows, tied, free = np.empty((3, n), dtype=np.int64)
+        directions = np.empty((n, n))
+        d = kernels.lay(surfaces, met, self.unit, rows, tied, free, directions)
+        self.dimension, self.free, self.directions = d, free[:d], directions[:, :d]
+
+    def state(self, place: np.ndarray) -> np.ndarray:
+        """Return the state (n) at y = ``place`` (d)."""
+        return np.asarray(self.origin + self.directions @ place)
+
+    def place(self, states: np.ndarray) -> np.ndarray:
+        """Return y (..., d) of states (..., n) on the section."""
+        return np.asarray(((states - self.origin) / self.unit)[..., self.free])
+
+    def come_back(self, state: np.ndarray) -> Motion | None:
+        """Follow the motion from a state (n) of the section until it is back; None if it does not come back."""
+        motion, events, here = None, 0, state
+        for _ in range(self.returns):
+            try:
+                motion = follow(
+                    self.automaton, here, PATIENCE * self.longest,
+                    mode=self.key[1], stop=self.key, max_events=kernels.LONGEST,
+                    budget=Budget(_MOST_WORK),
+                )  # fmt: skip
+            except EngineError:
+                return None
+            if motion.status != Status.STOP_EVENT:
+                return None
+            here, events = motion.end_state, events + motion.time.size
+        if self.returns > 1:
+            motion = follow(self.automaton, state, math.inf, mode=self.key[1], max_events=events)
+        return motion
+
+    def derivative(self, orbit: Motion) -> Derivative:
+        """Return P′ (d, d) along a motion that returns to the section, with the bound of its rounding."""
+        total, unit = derivative(orbit), self.unit[self.free, None]
+        with np.errstate(over="ignore", invalid="ignore"):
+            matrix = (total.matrix @ self.directions)[self.free] / unit
+            return Derivative(matrix, (total.rounding @ np.abs(self.directions))[self.free] / unit)
+
+
+def solve(section: Section) -> tuple[Motion, float] | None:
+    """Return the periodic motion near the origin of a section and its residual [1]; None if Newton's method fails.
+
+    The residual is the change of the state over the period relative to ``section.size``; it is rounding, times the
+    growth of neighbours over a period.
+    """
+    place, best = np.zeros(section.dimension), None
+    step, halved = np.zeros(section.dimension), 0
+    for _ in range(40):  # steps; a start that Newton's method likes needs six
+        orbit = section.come_back(section.state(place))
+        if orbit is None or orbit.time.size == 0 or orbit.time[-1] == 0.0:
+            if not step.any() or halved == 8:
+                break
+            step, halved = 0.5 * step, halved + 1  # beyond what comes back: half the way, and half of that
+            place = place - step
+            continue
+        gap = section.place(orbit.end_state) - place
+        residual = float(np.max(np.abs(orbit.end_state - orbit.start_state) / section.size))
+        better = best is None or residual < best[1]
+        if better:
+            best = orbit, residual
+        if section.dimension == 0:
+            break
+        found = newton_step(np.eye(section.dimension) - section.derivative(orbit).matrix, gap)
+        if found is None or (not better and np.abs(found).max() < CLOSE):
+            break
+        step, halved = found, 0
+        place = place + step
+        if np.abs(step).max() <= AT_REST * max(1.0, float(np.abs(place).max())):
+            break
+    return best if best is not None and best[1] < CLOSE else None
+
+
+def newton_step(matrix: np.ndarray, gap: np.ndarray) -> np.ndarray | None:
+    """Return matrix⁻¹ gap; None if there is no derivative, so that the matrix is not finite, or if it is singular."""
+    if not (np.isfinite(matrix).all() and np.isfinite(gap).all()):
+        return None
+    try:
+        step = np.linalg.solve(matrix, gap)
+    except np.linalg.LinAlgError:
+        return None
+    return step if np.isfinite(step).all() else None
+
+
+def multipliers(section: Section, orbit: Motion, residual: float) -> tuple[np.ndarray, float]:
+    """Return the n − 1 multipliers of a cycle, the largest first, and a bound of their errors [1]; nan without P′."""
+    count = max(section.origin.size - 1, section.dimension)
+    found = section.derivative(orbit)
+    if not np.isfinite(found.matrix).all():
+        return np.full(count, math.nan, dtype=complex), math.nan
+    if section.dimension == 0:
+        return np.zeros(count, dtype=complex), 0.0
+    values, condition = eigenvalues(found.matrix)
+    lost = found.rounding * orbit.automaton.condition
+    if not _norm(lost) <= 1e-10:  # size of the rounding of P′ below which its bound is good enough
+        lost = np.fmin(lost, _scatter(section, orbit, found.matrix))
+    least = float(np.linalg.svd(np.eye(section.dimension) - found.matrix, compute_uv=False).min())
+    uncertain = AT_REST + (residual + AT_REST) / max(least, flow_planar.EPS)  # of y, which is a double itself
+    place = section.place(orbit.start_state)
+    for direction in np.eye(section.dimension):
+        changes = np.zeros((len(_STEPS), *found.matrix.shape))
+        for change, step in zip(changes, _STEPS, strict=True):
+            beside = section.come_back(section.state(place + step * direction))
+            if beside is not None:
+                change[:] = np.abs(section.derivative(beside).matrix - found.matrix) / step
+        lost = lost + np.where(np.isfinite(changes), changes, 0.0).max(axis=0) * min(uncertain, _STEPS[0])
+    size = _norm(lost)
+    error = min(condition * size, max(size, size ** (1 / len(found.matrix))) * len(found.matrix) + size)
+    padded = np.concatenate([values, np.zeros(count - len(values))])
+    return padded[np.argsort(-np.abs(padded), kind="stable")], error
+
+
+def _norm(lost: np.ndarray) -> float:
+    with np.errstate(over="ignore"):  # of a rounding beyond all bounds
+        return float(np.linalg.norm(lost))
+
+
+def _scatter(section: Section, orbit: Motion, slopes: np.ndarray) -> np.ndarray:
+    """Return the rounding of P′ (d, d) as second differences between places side by side show it; nan without them.
+
+    That of the tables, which all places share, is a relative change of the system by it, and is added.
+    """
+    place, found = section.place(orbit.start_state), []
+    for k in range(5):
+        beside = section.come_back(section.state(place + k * 1e-12))
+        if beside is None:
+            return np.full_like(slopes, math.nan)
+        found.append(section.derivative(beside).matrix)
+    noise = np.abs(np.diff(found, 2, axis=0)).max(axis=0)
+    tables = flow_planar.EPS * orbit.automaton.condition * orbit.time.size * float(np.abs(slopes).max())
+    return np.asarray(30.0 * (noise + tables))  # rounding may exceed a few samples of it so many times
