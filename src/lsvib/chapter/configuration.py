@@ -79,7 +79,7 @@ def sources_of(figure: str) -> str:
     For a benchmark also those of the benchmarks, and of the references of the tests.
     """
     folders = [_PACKAGE, *(_CHECKOUT / part for part in ("benchmarks", "tests/references") if figure in BENCHMARKS)]
-    files = [*sorted(file for folder in folders for file in folder.rglob("*.py")), _PACKAGE / "models" / "chapter.yaml"]
+    files = [*sorted(file for folder in folders for file in folder.rglob("*.py")), _PACKAGE / "drives" / "chapter.yaml"]
     return hashlib.sha256(b"".join(file.read_bytes() for file in files)).hexdigest()
 
 
