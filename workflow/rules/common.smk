@@ -36,7 +36,7 @@ def category(wildcards):
 
 def inputs(wildcards):
     """Return what the dataset of a figure needs: parts of the engine, tables, and its analysis and maps if it has them."""
-    figure, own = wildcards.figure, configuration.settings_of(wildcards.figure)
+    figure, own = wildcards.figure, configuration.load(wildcards.figure).Settings
     parts = zip(configuration.PARTS, (ANALYSED, MAPPED))
     files = {part: f"<results>/{part}/{figure}.nc" for part, figures in parts if figure in figures}
     engine = [f"<results>/engine/{part}.txt" for part in own.engine]

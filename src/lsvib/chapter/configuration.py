@@ -18,7 +18,7 @@ from typing import Annotated, Any, Literal
 import yaml
 from pydantic import Field, ValidationError, create_model
 
-from lsvib.chapter.settings import DriveChanges, FigureSettings, SettingsSection, Unique
+from lsvib.chapter.settings import DriveChanges, SettingsSection, Unique
 from lsvib.drives.complaints import sentence_about
 from lsvib.drives.scene import read_yaml
 from lsvib.errors import InputError
@@ -136,7 +136,7 @@ def _typed(values: Any) -> Any:
 def given(configuration: Mapping[str, Any], figure: str) -> dict[str, Any]:
     """Return the section of a figure, its drive with all parameters of ``table_8_1`` that it does not change itself."""
     found, table = configuration.get(figure, {}), configuration.get("table_8_1", {})
-    if not (table and isinstance(found, dict) and "drive" in settings_of(figure).model_fields):
+    if not (table and isinstance(found, dict) and "drive" in load(figure).Settings.model_fields):
         return found  # type: ignore[no-any-return]
     drive = found.get("drive", {})
     angles = {"lead_angle", "lead_angle_deg"}
@@ -152,7 +152,7 @@ def section(configuration: Mapping[str, Any], figure: str) -> Mapping[str, Any]:
         if key not in known:
             raise InputError(f"{shown(key)} is not a known key; the known keys are {', '.join(known)}.")
     _checked(Selection, {key: value for key, value in configuration.items() if key in Selection.model_fields})
-    _checked(settings_of(figure), configuration.get(figure, {}), (figure,))
+    _checked(load(figure).Settings, configuration.get(figure, {}), (figure,))
     return given(configuration, figure)
 
 
@@ -164,7 +164,7 @@ def selected(configuration: Mapping[str, Any]) -> tuple[str, ...]:
 
 def complete_settings(figure: str, section: Mapping[str, Any]) -> dict[str, Any]:
     """Return the settings of a figure: those given, as they are, and its defaults; ``InputError`` in one sentence."""
-    settings = _checked(settings_of(figure), section, (figure,))
+    settings = _checked(load(figure).Settings, section, (figure,))
     absent = set(type(settings).model_fields) - set(section)
     return {**section, **settings.model_dump(mode="json", include=absent, exclude_none=True)}
 
@@ -174,17 +174,11 @@ def standard_settings(figure: str) -> dict[str, Any]:
     return complete_settings(figure, section(read_yaml(DEFAULT), figure))
 
 
-def settings_of(figure: str) -> type[FigureSettings]:
-    """Return the type of the settings of a figure; raises ``InputError`` if there is no such figure."""
-    found: type[FigureSettings] = load(figure).Settings
-    return found
-
-
 @cache
 def _configuration() -> type[SettingsSection]:
-    sections: dict[str, Any] = {name: (settings_of(name), ...) for name in ("attraction", "chart")}
+    sections: dict[str, Any] = {name: (load(name).Settings, ...) for name in ("attraction", "chart")}
     # A section that is missing is no fault unless its figure is to be built.
-    sections |= {name: (settings_of(name), None) for name in (*FIGURES, *BENCHMARKS)}
+    sections |= {name: (load(name).Settings, None) for name in (*FIGURES, *BENCHMARKS)}
     words = "Configuration of the workflow; SI units throughout."
     return create_model("Configuration", __base__=Assessments, __doc__=words, **sections)
 

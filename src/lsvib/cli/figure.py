@@ -93,12 +93,12 @@ def _name(number: str) -> str:
 
 def _changed_drive(number: str, name: str, section: Mapping[str, Any], changes: Mapping[str, str]) -> dict[str, Any]:
     """Return the drive of a figure with changes; a change that would change nothing in the figure is refused."""
-    from lsvib.chapter.configuration import settings_of
+    from lsvib.chapter.configuration import load
     from lsvib.drives.drive import Drive, changed
     from lsvib.drives.pairings import in_parameters
     from lsvib.numbers import number as number_of
 
-    settings, changes = settings_of(name), in_parameters(changes)
+    settings, changes = load(name).Settings, in_parameters(changes)
     if "drive" not in settings.model_fields:
         raise InputError(f"figure {number} has no drive of its own, so --set cannot change it.")
     for key in changes:
