@@ -8,8 +8,7 @@ import pytest
 import yaml
 
 from lsvib import Drive
-from lsvib.chapter.checks import report
-from lsvib.chapter.statements import counted, read_statements
+from lsvib.chapter.checks import counted, read_statements, report
 from lsvib.drives.chapter import FILE, listed
 
 ROOT = Path(__file__).parents[2]

@@ -3,8 +3,7 @@
 from job import logged
 
 with logged(snakemake):
-    from lsvib.chapter.checks import read_checks, report
-    from lsvib.chapter.statements import read_statements
+    from lsvib.chapter.checks import read_checks, read_statements, report
     from lsvib.drives.chapter import FILE
     from lsvib.files import write_json, write_text
 

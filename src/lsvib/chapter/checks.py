@@ -1,6 +1,7 @@
 """Checks of computed values against the chapter, kept as data: claim, expected, computed, error, tolerance, verdict.
 
-Those of a run are shown as a text by figure, and the printed numbers as a table for a report (``checks.*.j2``).
+Those of a run are shown as a text by figure, and the printed numbers as a table for a report (``checks.*.j2``), with
+what became of all that the chapter states (``config/chapter.yaml``).
 """
 
 import json
@@ -9,19 +10,28 @@ import os
 import re
 import string
 import textwrap
-from collections.abc import Mapping, Sequence
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
+from itertools import chain
 from pathlib import Path
 from typing import Any, Literal, Self
 
 import numpy as np
 
-from lsvib.chapter.statements import Statements, counted
 from lsvib.drives import chapter
 from lsvib.drives.chapter import claims
+from lsvib.drives.scene import read_yaml
 from lsvib.errors import InputError
 
 NamedChecks = Sequence[tuple[str, "Check"]]  # pairs (figure, check)
+Statements = dict[str, list[dict[str, Any]]]
+_VERDICTS = {  # the first that an entry has is its own: a check may hold the evidence of a contradiction
+    "contradicted": "contradicted by the chapter's own equations",
+    "id": "checked",
+    "input": "inputs",
+    "unchecked": "not checked, each with the reason",
+}
 
 
 @dataclass(frozen=True)
@@ -180,6 +190,25 @@ def read_checks(path: str | os.PathLike[str]) -> list[tuple[str, Check]]:
         raise InputError(f"Cannot read {path}: {error.strerror}.") from None
     except (ValueError, TypeError, AttributeError):
         raise InputError(f"{path} is not a readable file of checks; run again what makes it.") from None
+
+
+def read_statements(path: str | os.PathLike[str]) -> Statements:
+    """Read the list and return its entries by verdict: ``contradicted``, ``id`` (checked), ``input``, ``unchecked``."""
+    statements: Statements = {verdict: [] for verdict in _VERDICTS}
+    for entry in read_yaml(str(path))["entries"]:
+        statements[next((verdict for verdict in _VERDICTS if verdict in entry), "id")].append(entry)
+    return statements
+
+
+def counted(statements: Statements) -> str:
+    """Return in one sentence how many numbers and claims the chapter states, and how many of them have each verdict."""
+
+    def both(entries: Iterable[dict[str, Any]]) -> str:
+        found = Counter("numbers" if "value" in entry else "claims" for entry in entries)
+        return " and ".join(f"{found[kind]} {kind}" for kind in ("numbers", "claims") if found[kind])
+
+    *parts, last = (f"{both(statements[v])} are {_VERDICTS[v]}" for v in ("input", "id", "contradicted", "unchecked"))
+    return f"Of the chapter's {both(chain(*statements.values()))}, {', '.join(parts)}, and {last}."
 
 
 def verdict(checks: NamedChecks) -> str:
