@@ -89,15 +89,6 @@ def counted(flags: xr.DataArray) -> dict[str, int]:
     return {word: count for word, count in counts if count}
 
 
-def fractions(dim: str, long_name: str, kinds: type[IntEnum], labels: np.ndarray) -> Variables:
-    """Return the fraction of the cells of each kind, from their labels, along the coordinate ``dim`` of the kinds."""
-    share = np.array([np.count_nonzero(labels == kind) for kind in kinds]) / labels.size
-    return {
-        dim: flagged(dim, list(kinds), long_name, kinds),
-        "fraction": variable(dim, share, "1", "fraction of the cells"),
-    }
-
-
 def yes_no(dims: Dims, values: Any, long_name: str) -> Variable:
     """Return a variable that is 1 where a statement is true, else 0, as int8 with flags."""
     return flagged(dims, values, long_name, ("no", "yes"))

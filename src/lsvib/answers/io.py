@@ -8,7 +8,6 @@ import os
 import platform
 import re
 import subprocess
-from collections.abc import Sequence
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -118,15 +117,6 @@ def rows_of(item: str, rows: int) -> slice:
     if tiles > rows:
         raise InputError(f"tiles = {tiles} is outside the allowed range 1 <= tiles <= {rows}, the number of rows.")
     return slice((number - 1) * rows // tiles, number * rows // tiles)
-
-
-def joined(tiles: Sequence[str | os.PathLike[str]], rows: str) -> xr.Dataset:
-    """Return the dataset whose tiles along the dimension ``rows`` are in these files, in their order.
-
-    Raises ``InputError`` if a file is missing or damaged.
-    """
-    return xr.concat([read_dataset(tile) for tile in tiles], rows, data_vars="minimal", coords="minimal",
-                     compat="override", join="exact", combine_attrs="override")  # fmt: skip
 
 
 def provenance(maker: str) -> dict[str, str]:

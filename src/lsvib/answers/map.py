@@ -11,7 +11,7 @@ import xarray as xr
 from lsvib import numbers, words
 from lsvib.answers import attributes as cf
 from lsvib.answers import phase_plane
-from lsvib.answers.io import joined, rows_of, write_dataset
+from lsvib.answers.io import read_dataset, rows_of, write_dataset
 from lsvib.drives.drive import Drive
 from lsvib.drives.model import automaton_of, coordinates, model_of
 from lsvib.drives.names import Event
@@ -88,8 +88,15 @@ def grids_of(drives: Sequence[Drive], angle: Mapping[str, Any], velocity: Mappin
 
 def _around(cells: xr.Dataset, drive: Drive, mapper: Mapper, grid: Grid) -> xr.Dataset:
     """Add to the cells of a map what belongs to the whole: fractions of attractors, drive and :func:`surroundings`."""
-    shares = cf.fractions("attractor", "attractor", Attractor, cells.label.values)
-    return cells.assign(shares | cf.given(drive) | surroundings(drive, mapper, grid))
+    share = np.array([np.count_nonzero(cells.label.values == kind) for kind in Attractor]) / cells.label.size
+    return cells.assign(
+        {
+            "attractor": cf.flagged("attractor", list(Attractor), "attractor", Attractor),
+            "fraction": cf.variable("attractor", share, "1", "fraction of the cells"),
+        }
+        | cf.given(drive)
+        | surroundings(drive, mapper, grid)
+    )
 
 
 def frame(drive: Drive, grid: Grid) -> xr.Dataset:
@@ -128,14 +135,11 @@ def cells(grid: Grid, found: Mapping[str, np.ndarray]) -> dict[str, cf.Variable]
             comment="; ".join(f"{doubt.name.lower()}: {doubt}" for doubt in Doubt),
         ),
     }
-    return {
-        "settling_time" if name == "time" else name: (
-            _dimensions(grid),
-            np.where(np.isfinite(array), array, np.nan) if name == "time" else array,
-            about[name],
-        )
-        for name, array in found.items()
-    }
+    data: cf.Variables = {name: (_dimensions(grid), array, about[name]) for name, array in found.items()}
+    if "time" in data:
+        dims, time, words = data.pop("time")
+        data["settling_time"] = dims, np.where(np.isfinite(time), time, np.nan), words
+    return data
 
 
 def surroundings(drive: Drive, mapper: Mapper, grid: Grid) -> dict[str, cf.Variable]:
@@ -201,7 +205,9 @@ def map_tile(settings: Mapping[str, Any], item: str, path: File, workers: int = 
 def gather_map(settings: Mapping[str, Any], tiles: Sequence[File], path: File) -> None:
     """Write the map, the dataset of ``drive.attraction(…)``, from the files of its tiles; ``settings`` as of a tile."""
     drive, grid = _of(settings)
-    write_dataset(_around(joined(tiles, _dimensions(grid)[0]), drive, mapper(drive), grid), path)
+    joined = xr.concat([read_dataset(tile) for tile in tiles], _dimensions(grid)[0], data_vars="minimal",
+                       coords="minimal", compat="override", join="exact", combine_attrs="override")  # fmt: skip
+    write_dataset(_around(joined, drive, mapper(drive), grid), path)
 
 
 def _of(settings: Mapping[str, Any]) -> tuple[Drive, Grid]:

@@ -88,17 +88,13 @@ class Simulation:
         """
         scene, motion, definition = self.scene, self.motion, self.scene.definition
         times, codes, seizures = np.linspace(0.0, scene.duration, scene.samples), motion.automaton.codes, self._seizures
-        states, modes = motion.at(times)
-        data: cf.Variables = {
-            name: ("time", states[:, k], cf.quantity(name)) for k, name in enumerate(definition.states)
-        }
+        asked = scene.outputs if outputs is None else outputs
+        found = phase_plane.observed(motion, *motion.at(times), definition.modes, asked)
+        for name in found.keys() & {"normal_force", "axial_contact_force"} if seizures else ():
+            found[name][1]["comment"] = cf.WITHOUT_IMPULSES
         if scene.command:
-            data["commanded_speed"] = ("time", scene.command.at(times), cf.quantity("commanded_speed"))
-        data["mode"] = cf.flagged("time", codes[modes], "mode of motion", definition.modes)
-        for name in scene.outputs if outputs is None else outputs:
-            data[name] = ("time", motion.automaton.observe(name, states, modes), cf.quantity(name))
-            if name in ("normal_force", "axial_contact_force") and seizures:
-                data[name][2]["comment"] = cf.WITHOUT_IMPULSES
+            found["commanded_speed"] = scene.command.at(times), cf.quantity("commanded_speed")
+        data: cf.Variables = {name: ("time", *known) for name, known in found.items()}
         events = phase_plane.events(motion, definition.events, seizures)
         after = cf.flagged("event", codes[motion.mode], "mode of motion after the event", definition.modes)
         data |= {name: ("event", *known) for name, known in events.items()} | {"event_mode": after}
@@ -106,22 +102,19 @@ class Simulation:
             "time": cf.variable("time", times, "s", "time", "$t$"),
             "event": cf.variable("event", np.arange(motion.time.size), "1", "index of the event"),
         }
-        return cf.answer(data | cf.given(scene.parameters().items()), coordinates, self._about())
-
-    def _about(self) -> dict[str, Any]:
-        scene = self.scene
+        parameters = scene.parameters().items()
         about = {
             "title": "Motion of a lead-screw drive",
             "source": "lsvib, exact event-driven simulation",
-            "references": f"doi:10.1007/978-1-4419-1752-2_8, {scene.definition.equations}",
-            **cf.about_drive(scene.drive, scene.parameters().items()),
+            "references": f"doi:10.1007/978-1-4419-1752-2_8, {definition.equations}",
+            **cf.about_drive(scene.drive, parameters),
             "physics": " ".join(scene.terms),
             "resume": scene.resume,
             "initial_state": json.dumps(dict(scene.start)),
         }
         if scene.command:
             about |= {"command": scene.command.model_dump_json(), "comment": _COMMANDED}
-        return about
+        return cf.answer(data | cf.given(parameters), coordinates, about)
 
     def file(self) -> xr.Dataset:
         """Return the dataset for a file that explains itself: with its attractor, N and z.

@@ -5,7 +5,7 @@ Functions return variables ``{name: (dimensions, values, attributes)}`` for ``xa
 motions are sampled under the first.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from enum import IntEnum
 from typing import TYPE_CHECKING, Any
 
@@ -27,10 +27,12 @@ if TYPE_CHECKING:
 else:  # names for annotations: this module loads no engine before a motion is asked for
     Impulses = Motion = SteadyState = Any
 
+WithAttributes = dict[str, tuple[np.ndarray, dict[str, Any]]]  # values and attributes by the name of a variable
 ATTRACTOR = "attractor that the motion reaches"
 PERIOD = "period of the steady vibration"
 AMPLITUDE = "amplitude of the steady vibration, half its peak-to-peak"
 GLOBAL_STABILITY = "axial force beyond which steady sliding is globally stable"
+RULE = cf.named_index("rule", "rule of resuming after a seizure", RULES)
 _WHICH_CYCLE = "one period of what the first start reaches by the first rule, missing if that is no cycle"
 
 
@@ -62,11 +64,6 @@ def orbits(motions: Sequence[Motion]) -> cf.Variables:
     count = max([400, *(2 * (motion.time.size + 1) for motion in motions)])
     points = np.array([sample(motion, count)[1][:, :2] for motion in motions])
     return curve("cycle", ("cycle", "sample"), points, "on the limit cycle")
-
-
-def rule_coordinate() -> cf.Variables:
-    """Return the coordinate of the rules by which a motion resumes after a seizure."""
-    return {"rule": cf.named_index("rule", "rule of resuming after a seizure", RULES)}
 
 
 def reached(drive: Drive, start: Mapping[str, float], resume: Resume = RULES[0]) -> SteadyState:
@@ -107,10 +104,17 @@ def portraits(
     starts, duration, samples = (settings[name] for name in ("starts", "duration", "samples"))
     steady = [[[reached(drive, start, rule) for start in starts] for rule in RULES] for drive in drives]
     motions = [[followed(drive, [start["u"], start["w"]], duration) for start in starts] for drive in drives]
-    impulses = [[event_impulses(drive, motion) for motion in row] for drive, row in zip(drives, motions, strict=True)]
+    happens = [
+        [events(motion, Event, event_impulses(drive, motion)) for motion in row]
+        for drive, row in zip(drives, motions, strict=True)
+    ]
+    table = _stacked([[sampled(motion, samples, MotionMode) for motion in row] for row in motions], "sample")
+    table["normal_force"][2]["comment"] = cf.WITHOUT_IMPULSES
+    table |= _stacked(happens, "event")
+    table["event_kind"][2].update(cf.flags(Event, none=True))
     return xr.Dataset(
-        lines(drives) | _motions(motions, samples) | _events(motions, impulses) | _attractors(steady, samples),
-        coords={**cf.drive_parameters(drives, along=varied, printed=printed), **rule_coordinate()},
+        lines(drives) | table | _attractors(steady, samples),
+        coords={**cf.drive_parameters(drives, along=varied, printed=printed), "rule": RULE},
     ).set_coords("time")
 
 
@@ -130,28 +134,26 @@ def lines(drives: Sequence[Drive]) -> cf.Variables:
     }
 
 
-def _motions(motions: Sequence[Sequence[Motion]], samples: int) -> cf.Variables:
-    """Return sampled motions, dimensions (case, start, sample)."""
-    sampled, dims = [[(m, *sample(m, samples)) for m in row] for row in motions], ("case", "start", "sample")
-    time, states = (np.array([[each[k] for each in row] for row in sampled]) for k in (1, 2))
-    modes = np.array([[motion.automaton.codes[places] for motion, *_, places in row] for row in sampled])
-    variables = {
-        "time": cf.variable(dims, time, "s", "time", "$t$"),
-        "angle_deviation": (dims, states[..., 0], cf.quantity("angle_deviation")),
-        "velocity_deviation": (dims, states[..., 1], cf.quantity("velocity_deviation")),
-        "mode": cf.flagged(dims, modes, "mode of motion", MotionMode),
-    }
-    for name in ("normal_force", "coupling_deflection"):
-        observed = [[motion.automaton.observe(name, *of) for motion, _, *of in row] for row in sampled]
-        variables[name] = (dims, np.array(observed), cf.quantity(name))
-    variables["normal_force"][2]["comment"] = cf.WITHOUT_IMPULSES
-    return variables
+def observed(
+    motion: Motion, states: np.ndarray, rows: np.ndarray, modes: type[IntEnum], outputs: Iterable[str]
+) -> WithAttributes:
+    """Return states (k, n) of a motion in some rows of its modes (k), and what is observed there, by name."""
+    names = (name for name in motion.automaton.states if name != CLOCK)
+    found: WithAttributes = {name: (states[:, k], cf.quantity(name)) for k, name in enumerate(names)}
+    codes = motion.automaton.codes[rows].astype(np.int8)
+    found["mode"] = codes, cf.attributes("1", "mode of motion", **cf.flags(modes))
+    return found | {name: (motion.automaton.observe(name, states, rows), cf.quantity(name)) for name in outputs}
 
 
-def events(
-    motion: Motion, kinds: type[IntEnum], impulses: Impulses | None
-) -> dict[str, tuple[np.ndarray, dict[str, Any]]]:
-    """Return the events of a motion, of some kinds: values of each event, and attributes, by the name of a variable.
+def sampled(motion: Motion, count: int, modes: type[IntEnum]) -> WithAttributes:
+    """Return a motion, its contact force and its deflection at the times of :func:`sample`, by name."""
+    times, states, rows = sample(motion, count)
+    seen = observed(motion, states, rows, modes, ("normal_force", "coupling_deflection"))
+    return {"time": (times, cf.attributes("s", "time", "$t$"))} | seen
+
+
+def events(motion: Motion, kinds: type[IntEnum], impulses: Impulses | None) -> WithAttributes:
+    """Return the events of a motion, of some kinds, by name.
 
     ``impulses`` of a motion that may seize, from :func:`lsvib.dynamics.impulses.event_impulses`, or None.
     """
@@ -168,16 +170,14 @@ def events(
     return found
 
 
-def _events(motions: Sequence[Sequence[Motion]], impulses: Sequence[Sequence[Impulses]]) -> cf.Variables:
-    """The events of motions; rows with fewer events than the longest end in NaN, kind −1 and sign 0."""
-    pairs = (zip(*rows, strict=True) for rows in zip(motions, impulses, strict=True))
-    found = [[events(motion, Event, own) for motion, own in row] for row in pairs]
-    longest, table = max(1, *(motion.time.size for row in motions for motion in row)), cf.Variables()
+def _stacked(found: Sequence[Sequence[WithAttributes]], dim: str) -> cf.Variables:
+    """What is known of motions (case, start) along a dimension; those of few events end in NaN, kind −1 and sign 0."""
+    table = cf.Variables()
     for name, (first, about) in found[0][0].items():
-        empty = {"event_kind": -1, "event_sign": 0}.get(name, np.nan)
-        rows = [[np.append(one[name][0], [empty] * (longest - one[name][0].size)) for one in row] for row in found]
-        table[name] = ("case", "start", "event"), np.array(rows, dtype=first.dtype), about
-    table["event_kind"][2].update(cf.flags(Event, none=True))
+        rows = [[one[name][0] for one in row] for row in found]
+        longest, empty = max(1, *(x.size for row in rows for x in row)), {"event_kind": -1, "event_sign": 0}
+        rows = [[np.append(x, [empty.get(name, np.nan)] * (longest - x.size)) for x in row] for row in rows]
+        table[name] = ("case", "start", dim), np.array(rows, dtype=first.dtype), about
     return table
 
 

@@ -7,11 +7,11 @@ import xarray as xr
 from pydantic import Field
 
 from lsvib.answers import phase_plane, spans
-from lsvib.answers.attributes import Variables, axis, drive_parameters, flagged, named, quantity, start_state, variable
+from lsvib.answers.attributes import Variables, axis, drive_parameters, named, quantity, start_state, variable
 from lsvib.chapter import impacts, newton
 from lsvib.chapter import settings as of
 from lsvib.chapter.checks import Check
-from lsvib.chapter.common import Motion, SteadyState, about, printed
+from lsvib.chapter.common import SteadyState, about, printed
 from lsvib.drives.chapter import claims
 from lsvib.drives.drive import Drive
 from lsvib.drives.mechanism import seated_state
@@ -49,6 +49,8 @@ def build(settings: of.Values) -> xr.Dataset:
     drive, start, samples = Drive.of(settings["drive"], **contact), settings["start"], settings["samples"]
     cycle, rigid = compliant_cycle(drive, start), phase_plane.reached(drive, start)
     motion = follow(automaton_of(drive), seated_state(drive, start["u"], start["w"]), settings["duration"])
+    # Both states of each event are samples, so every peak is.
+    sampled = phase_plane.sampled(motion, samples, model_of(drive).modes)
     forces, rows, dim, numbers = spans.even(settings["axial_force"]), [], "swept_axial_force", Variables()
     for pushed in (drive.replace(axial_force=float(force)) for force in forces):
         swept = compliant_cycle(pushed, start)
@@ -62,7 +64,7 @@ def build(settings: of.Values) -> xr.Dataset:
         }
     peak, distance = _cycle_values(drive, cycle, rigid)
     return xr.Dataset(
-        _motion(drive, motion, samples)
+        {name: ("sample", *own) for name, own in sampled.items()}
         | cycle_curves((), [cycle], samples)
         | cycle_curves((), [rigid], samples, "rigid_cycle")
         | numbers
@@ -123,20 +125,6 @@ def cycle_motion(dataset: xr.Dataset, prefix: str = "cycle") -> xr.Dataset:
     )
 
 
-def _motion(drive: Drive, motion: Motion, samples: int) -> Variables:
-    """The compliant motion with its contact force; both states of each event are samples, so every peak is."""
-    times, states, modes = phase_plane.sample(motion, samples)
-    names = ("angle_deviation", "velocity_deviation", *motion.automaton.states[2:])
-    found = dict(zip(names, states.T, strict=True))
-    for name in ("normal_force", "coupling_deflection"):
-        found[name] = motion.automaton.observe(name, states, modes)
-    return {
-        "time": variable("sample", times, "s", "time", "$t$"),
-        **{name: ("sample", values, quantity(name)) for name, values in found.items()},
-        "mode": flagged("sample", motion.automaton.codes[modes], "mode of motion", model_of(drive).modes),
-    }
-
-
 def _cycle_values(drive: Drive, cycle: SteadyState, rigid: SteadyState) -> tuple[float, float]:
     """Largest |N| [N] on the compliant cycle, and its distance [1] from the rigid one; nan where there is none."""
     if cycle.orbit is None or rigid.orbit is None:
@@ -186,10 +174,8 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     drawing.label_axes(plane, dataset, "(a) phase plane")
     plane.locator_params(axis="x", nbins=5)
     _force(panels["peaks"], panels["sliding"], dataset)
-    printed, part = (
-        dataset.printed_peak_normal_force / 1e3,
-        dataset.printed_peak_normal_force.attrs["relative_tolerance"],
-    )
+    claim = dataset.printed_peak_normal_force
+    printed, part = claim / 1e3, claim.attrs["relative_tolerance"]
     force = dataset.swept_axial_force
     over.axhspan(printed * (1 - part), printed * (1 + part), color=style.VERMILION, alpha=0.15, linewidth=0)
     over.text(0.97, 0.1, f"{float(printed):g} kN ± {100 * part:g} %", color=style.VERMILION, ha="right", fontsize=6.5,

@@ -70,7 +70,7 @@ def build(settings: Values) -> xr.Dataset:
         | {"attractor": phase_plane.attractors(dims, labels)},
         coords={
             **axis("support_damping", damping),
-            **phase_plane.rule_coordinate(),
+            "rule": phase_plane.RULE,
             "resting_support_damping": variable((), limit, "N m s rad-1", resting, "$c$"),
             **drive_parameters(drive, axes=("support_damping",), printed=("Sect. 8.6", "Sect. 8.6.1")),
             **start_state(start, "of the motions whose cycles are found"),

@@ -12,7 +12,7 @@ import xarray as xr
 
 from lsvib.answers import attributes as cf
 from lsvib.answers.attributes import named
-from lsvib.answers.phase_plane import rule_coordinate, sample
+from lsvib.answers.phase_plane import RULE, sample
 from lsvib.chapter import printed_laws
 from lsvib.chapter.checks import Check
 from lsvib.chapter.common import Motion
@@ -86,7 +86,7 @@ def limit(drive: Drive) -> cf.Variables:
         "case_mass": ((), _MASS, cf.parameter("case_mass", cf.ASSUMED)),
         **cf.axis("case_axial_force", forces, "branch"),
         **cf.axis("case_support_damping", dampings, "branch"),
-        **rule_coordinate(),
+        "rule": RULE,
         "impact_sign": ("branch", signs.astype(np.int8), cf.SIGNS | {"long_name": "sign of the impact, 0: a cycle"}),
         "motion_distance": cf.variable((*dims, "rule"), distances, "1", far),
         "stop_time": cf.variable(dims, times, "s", "time that an impact takes, until the screw first stands"),
