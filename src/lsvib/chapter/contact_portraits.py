@@ -15,10 +15,11 @@ import xarray as xr
 
 from lsvib.answers import spans
 from lsvib.answers.attributes import Variables, attributes, drive_parameters, flagged, named, named_index, variable
-from lsvib.chapter import contact_force
+from lsvib.chapter import contact_force, newton
 from lsvib.chapter.checks import Check
 from lsvib.chapter.common import EIGENVALUE, Figure, Motion, about
 from lsvib.chapter.contact_force import ForceOutcome, Paradox
+from lsvib.chapter.printed_laws import lever
 from lsvib.chapter.settings import ContactPortrait, Values
 from lsvib.drives.drive import Drive
 from lsvib.drives.mechanics import coefficients
@@ -171,30 +172,23 @@ def _scaled(x: Any, scale: float, side: int) -> Any:
 
 
 def _by_newton(drives: Sequence[Drive]) -> Variables:
-    """Zero and Jacobian of N″ from the two equations of motion alone (module text of ``contact_force``), θ′ > 0.
+    """Zero and Jacobian of N″ by Newton's laws alone (:func:`lsvib.chapter.newton.equations`), θ′ > 0.
 
-    I θ″ = T − r_m N (s μ cos λ − sin λ) and m x″ = P − N (cos λ + s μ sin λ) give e″ = x″ − r_m tan λ θ″, affine in N;
-    with constant T and P then N″ = cos λ (k_c e″ + c_c ∂e″/∂N N′). Time in units of law − without contact damping.
+    With constant T and P e″ = x″ − r_m tan λ θ″ is affine in N, and N″ = cos λ (k_c e″ + c_c ∂e″/∂N N′). Time in units
+    of law − without contact damping.
     """
-    base = drives[0]
-    r, tan, cos, sin = base.pitch_radius, *(f(base.lead_angle) for f in (math.tan, math.cos, math.sin))
-    push, torque = 1.0, -0.01  # P [N] and T [N m]; χ does not depend on them
-    drift = base.screw_inertia * push - base.mass * r * tan * torque  # W
-
-    def slip(force: float, law: int) -> float:
-        """Return e″ [m/s²]."""
-        friction = law * base.friction_coefficient
-        turning = (torque - r * force * (friction * cos - sin)) / base.screw_inertia
-        return (push - force * (cos + friction * sin)) / base.mass - r * tan * turning
-
-    offset = {law: slip(0.0, law) for law in _LAWS}
-    slope = {law: slip(1.0, law) - offset[law] for law in _LAWS}
-    lever = {law: cos + law * base.friction_coefficient * sin for law in _LAWS}
-    unit = math.sqrt(-base.contact_stiffness * cos * slope[-1])  # 1/s
-    damping, stiffness = (np.array([[getattr(d, f"contact_{x}")] for d in drives]) for x in ("damping", "stiffness"))
-    slopes, dims = np.array([slope[law] for law in _LAWS]), ("case", "law")
-    zeros = [-offset[law] / slope[law] * lever[law] / drift for law in _LAWS]
-    trace, determinant = damping * cos * slopes / unit, -stiffness * cos * slopes / unit**2
+    base, torque = drives[0], -0.01  # T [N m]; χ depends neither on it nor on P = R
+    rigidity = base.contact_stiffness * math.cos(base.lead_angle)  # N over e
+    accelerations = np.array([newton.equations(dict(base), law, True)[0][3] for law in _LAWS])  # e″ over (z, …, 1)
+    offsets = accelerations[:, 0] * -torque / base.coupling_stiffness + accelerations[:, -1]
+    slopes, dims = accelerations[:, 2] / rigidity, ("case", "law")
+    drift = (
+        base.screw_inertia * base.axial_force - base.mass * base.pitch_radius * math.tan(base.lead_angle) * torque
+    )  # W
+    zeros = -offsets / slopes * [lever(base, law) for law in _LAWS] / drift
+    unit = math.sqrt(-rigidity * slopes[1])  # 1/s
+    dampings = np.array([[drive.contact_damping * math.cos(drive.lead_angle)] for drive in drives])
+    trace, determinant = dampings * slopes / unit, np.tile(-rigidity * slopes / unit**2, (len(drives), 1))
     return {
         "equilibrium_contact_force_by_newton": ("law", zeros, _force("zero of N'' by the equations of motion")),
         "jacobian_trace": variable(dims, trace, "1", "trace of the Jacobian of N''"),
@@ -307,13 +301,11 @@ def draw(dataset: xr.Dataset) -> style.Figure:
         paths: list[drawing.DrawnLine] = []
         for motion in (case.isel(start=index) for index in dataset.start.values):
             x, y, stays = motion.contact_force.values, motion.contact_force_rate.values, motion.start_outcome
-            colour, name = (
-                (style.BLUE, "bounded") if named(stays, "bounded") else (style.ORANGE, "growing without bound")
-            )
+            bounded = named(stays, "bounded")
+            colour, name = (style.BLUE, "bounded") if bounded else (style.ORANGE, "growing without bound")
             axes.plot(x, y, color=colour, linewidth=1.0, label=name, zorder=2)
-            axes.plot(
-                x[0], y[0], "o", color=colour, mfc="white", markersize=3.2, label="start", zorder=3, clip_on=False
-            )
+            axes.plot(x[0], y[0], "o", color=colour, mfc="white", markersize=3.2, label="start", zorder=3,
+                      clip_on=False)  # fmt: skip
             paths.append((x, y, colour))
         if "manifold_force" in case:  # all are stored outwards from the saddle
             manifolds = zip(case.manifold_force.values, case.manifold_force_rate.values, (1, 1, -1, -1), strict=True)

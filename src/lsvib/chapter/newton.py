@@ -38,7 +38,7 @@ def residual(motion: xr.Dataset) -> float:
         return np.nan
     lead = p["pitch_radius"] * np.tan(p["lead_angle"])
     push = p["axial_force"] - lead * p["translation_damping"] * p["input_speed"]  # R less the drag of the nut
-    field, *_ = _equations(p, 1 if push * p["input_speed"] >= 0 else -1, False)
+    field, *_ = equations(p, 1 if push * p["input_speed"] >= 0 else -1, False)
     steady = -(field[1, 1] * p["input_speed"] + field[1, 2]) / field[1, 0]  # z_0, where θ″ = 0 at the input speed
     deflection = motion.angle_deviation.values + steady
     speed, more = motion.velocity_deviation.values + p["input_speed"], [n for n in _THREADS if n in motion]
@@ -55,7 +55,7 @@ def residual(motion: xr.Dataset) -> float:
         worst.append(np.abs(motion.coupling_deflection.values - deflection) / sizes[0])
     for law in (1, 0, -1):
         here = np.flatnonzero(steps & (laws == law))
-        field, normal, friction = _equations(p, law, bool(more))
+        field, normal, friction = equations(p, law, bool(more))
         moved = _exponentials(field * sizes / sizes[:, None], np.diff(time)[here]) @ (states[here] / sizes)[..., None]
         worst.append(np.abs(moved[..., 0] - states[here + 1] / sizes))
         ends = np.union1d(here, here + 1)
@@ -93,7 +93,7 @@ def touching_force(p: Mapping[str, float], law: int) -> Any:
 
     Ω > 0. The slip, less steady sliding, does not depend on the force; so one motion, in 4000 samples a turn, gives it.
     """
-    field, normal, _ = _equations(p, law, False)
+    field, normal, _ = equations(p, law, False)
     (stiffness, damping, _), speed = field[1], p["input_speed"]
     first = np.array([damping * speed / stiffness, -speed, 0.0])  # θ″ = 0 at standstill, less θ″ = 0 at Ω
     spans = np.linspace(0, 2 * np.pi / np.sqrt(-stiffness), 4001)
@@ -105,8 +105,8 @@ def touching_force(p: Mapping[str, float], law: int) -> Any:
     return carried + r * sin / cos * p["translation_damping"] * speed
 
 
-def _equations(p: Mapping[str, float], law: int, compliant: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """The field over (z, θ′, [e, e′,] 1) under a law, 0 at rest; N; and the friction that keeps the screw at rest."""
+def equations(p: Mapping[str, float], law: int, compliant: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the field over (z, θ′, [e, e′,] 1) under a law, 0 at rest; N; and the friction that keeps it at rest."""
     r, sin, cos, tan = p["pitch_radius"], *(f(p["lead_angle"]) for f in (np.sin, np.cos, np.tan))
     unit, friction = np.eye(5 if compliant else 3), law * p["friction_coefficient"]
     torque = -p["coupling_stiffness"] * unit[0] - p["support_damping"] * unit[1]
