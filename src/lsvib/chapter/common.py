@@ -69,6 +69,14 @@ def critical_mass_with_contact(drive: Drive) -> float:
     return float(found.intervals[0][1]) if found and found.changes and found.intervals else np.nan
 
 
+def bisected(turned: Callable[[np.ndarray], np.ndarray], low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """Return where conditions turn true between ``low``, where they are not, and ``high``, each to the last bit."""
+    while ((low < (middle := (low + high) / 2)) & (middle < high)).any():
+        passed = turned(middle)
+        low, high = np.where(passed, low, middle), np.where(passed, middle, high)
+    return high
+
+
 def spread(values: np.ndarray) -> float:
     """Return the range of values over the largest of them [1]; infinite, which no check passes, if that is not > 0."""
     return float(np.ptp(values) / values.max()) if values.size and values.max() > 0 else np.inf

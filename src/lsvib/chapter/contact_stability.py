@@ -34,7 +34,7 @@ _NEAR = 1e-6  # relative distance from a critical mass at which LAPACK must see 
 _BESIDE = np.array([1 - _NEAR, 1 + _NEAR])
 _COLOURS = (style.VERMILION, style.ORANGE, style.BLUE, style.BLACK, style.GREEN, style.PURPLE)
 # Where two lines coincide both are seen, and in grey they differ.
-_DASHES = ("-", (0, (5, 1.5)), (0, (3, 1, 1, 1)), (0, (8, 2)), "-", (0, (5, 1.5)))
+_DASHES: tuple[Any, ...] = ("-", (0, (5, 1.5)), (0, (3, 1, 1, 1)), (0, (8, 2)), "-", (0, (5, 1.5)))
 
 
 class Settings(of.DriveFigure):
@@ -209,25 +209,20 @@ def _lemma_checks(dataset: xr.Dataset, drive: of.Values) -> list[Check]:
     contacts = {**drive, "mass": float(dataset.mass[0]), "contact_damping": dataset.growth_contact_damping.values}
     places = (0.0, dataset.unstable_contact_stiffness.values)
     none, left = (polynomial({**contacts, "contact_stiffness": k}, law=1)[2] for k in places)
-    part, proved = np.abs(left / none).max(), (heavy > 0).where(beyond, True).all()
+    part, unstable = np.abs(left / none).max(), (heavy > 0) & beyond
+    proved = (unstable == beyond).all() and beyond.any("growth_contact_stiffness").all()
     grows = (np.abs(ratio - 1) < 0.01).all() and (np.diff(heavy.values[:, -3:]) > 0).all()
     elastic, least, limit = light.values[0], dataset.least_contact_damping, float(dataset.elastic_growth_limit)
-    bound, flutters = float(dataset.least_contact_damping_of_stiff_contact), (elastic > 0).all()
+    flutters = (elastic > 0).all() and abs(elastic[-1] / limit - 1) < 0.01
+    bound = float(dataset.least_contact_damping_of_stiff_contact)
     enough = dataset.growth_contact_damping > least
     damped = (light < 0).where(enough, True).all() and abs(float(least[-1]) / bound - 1) < 0.01
     ends = {"stable": enough & (light < 0), "enough": enough, "least": least, "bound": bound}
     return [
         Check.that("contact_stability.proof", part < 1e-9, part=part),
-        Check.that(
-            "contact_stability.unstable",
-            proved and beyond.any("growth_contact_stiffness").all(),
-            unstable=(heavy > 0) & beyond,
-            beyond=beyond,
-        ),
+        Check.that("contact_stability.unstable", proved, unstable=unstable, beyond=beyond),
         Check.that("contact_stability.growth", grows, ratios=ratio, stiffest=last),
-        Check.that(
-            "contact_stability.elastic", flutters and abs(elastic[-1] / limit - 1) < 0.01, rate=elastic, limit=limit
-        ),
+        Check.that("contact_stability.elastic", flutters, rate=elastic, limit=limit),
         Check.that("contact_stability.damped", damped, **ends),
     ]
 

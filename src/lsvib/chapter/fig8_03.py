@@ -13,7 +13,7 @@ from lsvib.answers import attributes as cf
 from lsvib.answers import spans
 from lsvib.chapter import printed_laws
 from lsvib.chapter.checks import Check
-from lsvib.chapter.common import about
+from lsvib.chapter.common import about, bisected
 from lsvib.chapter.contact_force import Existence, existence
 from lsvib.chapter.settings import DriveFigure, Span, Values
 from lsvib.drives.drive import Drive
@@ -61,7 +61,8 @@ def build(settings: Values) -> xr.Dataset:
     inertia, damping = spans.even(settings["inertia"]), spans.even(settings["damping"])
     kinds, plane = _classes(inertia[:, None], damping, stiffness), ("effective_inertia", "effective_damping")
     positive = inertia[-1] * np.linspace(0, 1, inertia.size)[1:] ** 2  # dense near the vertex of the parabola
-    met = _node_focus_boundary(positive, stiffness)
+    node = 4 * np.sqrt(stiffness * positive)  # damping at which the eigenvalues are real
+    met = bisected(lambda c: eigenvalue_pair(positive, c, stiffness)[:, 1].imag == 0, 0 * node, node)
     along, words = "node_focus_effective_inertia", "effective damping where two eigenvalues meet"
     return xr.Dataset(
         {
@@ -165,7 +166,7 @@ def _condition_checks(dataset: xr.Dataset) -> list[Check]:
     none, of = dataset.without_solution == 1, "drives"
     both, ways = (inertia < 0) | (damping < 0), ((inertia < 0) & (damping > 0), (inertia > 0) & (damping < 0))
     allowed = {s: s * net / printed_laws.lever(p, s) * p.input_speed > 0 for s in (1, -1)}
-    three = locking & negative
+    three, locks = locking & negative, (inertia < 0).any() and (damping < 0).any() and (locking | ~both).all()
     off = abs(damping - printed_laws.damping(p, 1).where(allowed[1], printed_laws.damping(p, -1)))
     of_sign, opposed = plus.where(allowed[1], minus), (inertia == minus) & (minus > 0) & ~unstable
 
@@ -183,24 +184,9 @@ def _condition_checks(dataset: xr.Dataset) -> list[Check]:
         Check.everywhere("fig8_03.kinematic", among(unstable == (locking & pushed & third), free), of),
         Check.everywhere("fig8_03.negative_damping", ((damping < 0) == three) & (off < 1e-9 * p.support_damping), of),
         Check.everywhere("fig8_03.necessary", among(locking & pushed, unstable), of),
-        Check.that(
-            "fig8_03.locking",
-            (inertia < 0).any() and (damping < 0).any() and (locking | ~both).all(),
-            inertias=inertia < 0,
-            dampings=damping < 0,
-        ),
+        Check.that("fig8_03.locking", locks, inertias=inertia < 0, dampings=damping < 0),
         Check.that("fig8_03.either", all(x.size and x.all() for x in found), inertia=found[0], damping=found[1]),
     ]
-
-
-def _node_focus_boundary(inertia: np.ndarray, stiffness: float) -> np.ndarray:
-    """Damping [N m s/rad] at which the eigenvalues turn real, by bisection on the eigenvalues themselves."""
-    focus, node = np.zeros_like(inertia), 4 * np.sqrt(stiffness * inertia)
-    for _ in range(100):  # to the last bit, also where the boundary lies decades below its bracket
-        middle = (focus + node) / 2
-        oscillates = eigenvalue_pair(inertia, middle, stiffness)[:, 1].imag != 0
-        focus, node = np.where(oscillates, middle, focus), np.where(oscillates, node, middle)
-    return node
 
 
 @style.styled

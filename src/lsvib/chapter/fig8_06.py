@@ -13,7 +13,7 @@ from pydantic_core import PydanticCustomError
 
 from lsvib.answers import phase_plane, spans
 from lsvib.answers.analysis import analyse, value
-from lsvib.answers.attributes import flag_names, flagged, named, start_state, variable, varied, yes_no
+from lsvib.answers.attributes import counted, flagged, named, start_state, variable, varied, yes_no
 from lsvib.chapter import newton
 from lsvib.chapter.checks import Check, quantity
 from lsvib.chapter.common import about, printed, spread
@@ -131,11 +131,10 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     line = dataset.contact_line_angle.values[force > limits[0]]
     nears = line.size > 1 and (np.diff(np.abs(line)) > 0).all() and np.ptp(np.sign(line)) == 0
     locks = (holds == (friction > tangent)).all() and holds[-1]
-    words, insets = flag_names(dataset.attractor), []
+    insets = []
     for found, inset in zip(dataset.attractor, force, strict=True):
         id, kind = (row[np.searchsorted(limits, inset)] for row in (_INSETS, _REACHED))
-        names = sorted({words[value].replace(" ", "_") for value in found.values.ravel()})
-        told = {"names": names, "starts": dataset.sizes["start"], "force": inset}
+        told = {"names": sorted(counted(found)), "starts": dataset.sizes["start"], "force": inset}
         insets.append(Check.that(id, named(found, kind).all(), **told))
     return [
         newton.laws_check(dataset, "Fig. 8.6"),
@@ -178,21 +177,20 @@ def _reading_checks(dataset: xr.Dataset) -> list[Check]:
     ours, theirs = ({str(name).removeprefix("reading_"): float(x) for name, x in dataset.sel(reading_mass=mass).items()
                      if str(name).startswith("reading_")} for mass in (stated, other))  # fmt: skip
     stands = {"inertia_minus": "fig8_06.inertia_minus", "inertia_plus": "fig8_06.inertia_plus"}
-    inertias = [ours[f"effective_{name}"] for name in stands]
-    wrong = [abs(x / claims()[id].value - 1) > 0.1 for x, id in zip(inertias, stands.values(), strict=True)]
-    forces = [theirs[name] for name in ("stick_force", "detach_force")]
-    ids = [chapter.THRESHOLDS[name] for name in ("stick_force", "detach_force")]
-    off = [not abs(force / claims()[id].value - 1) <= 0.02 for force, id in zip(forces, ids, strict=True)]
+    inertias = {id: ours[f"effective_{name}"] for name, id in stands.items()}
+    wrong = [abs(x / claims()[id].value - 1) > 0.1 for id, x in inertias.items()]
+    forces = {chapter.THRESHOLDS[name]: theirs[name] for name in ("stick_force", "detach_force")}
+    off = [not abs(force / claims()[id].value - 1) <= 0.02 for id, force in forces.items()]
     read = f"as printed, read as that of m = {other:g} kg (with the stated m = {stated:g} kg it is"
     return [
         Check.of("fig8_06.damping_minus", ours["effective_damping_minus"]),
         Check.of("fig8_06.damping_plus", ours["effective_damping_plus"]),
         *(
-            Check.of(id, theirs[f"effective_{name}"], note=f"{read} {ours[f'effective_{name}']:.3g} kg m2)")
+            Check.of(id, theirs[f"effective_{name}"], note=f"{read} {inertias[id]:.3g} kg m2)")
             for name, id in stands.items()
         ),
-        Check.that("fig8_06.stated_mass", all(wrong), mass=stated, inertias=inertias),
-        Check.that("fig8_06.other_mass", all(off), mass=other, forces=[quantity(x, "N") for x in forces]),
+        Check.that("fig8_06.stated_mass", all(wrong), mass=stated, inertias=[*inertias.values()]),
+        Check.that("fig8_06.other_mass", all(off), mass=other, forces=[quantity(x, "N") for x in forces.values()]),
     ]
 
 

@@ -16,7 +16,7 @@ from pydantic import Field
 
 from lsvib.answers import phase_plane, spans
 from lsvib.answers.analysis import analyse, value
-from lsvib.answers.attributes import Variables, attributes, axis, flag_names, flags, named, variable
+from lsvib.answers.attributes import Variables, attributes, axis, counted, flag_names, flags, named, variable
 from lsvib.chapter import newton
 from lsvib.chapter.checks import Check
 from lsvib.chapter.common import Motion, about, spread
@@ -25,6 +25,7 @@ from lsvib.drives.drive import Drive
 from lsvib.drives.mechanics import coefficients
 from lsvib.drives.names import RULES, Event, MotionMode, Resume
 from lsvib.pictures import drawing, style
+from lsvib.words import plain
 
 CAPTION = """\
 Trajectories under a negative axial force, c = 1e-3 N m s/rad, (a) for R = −50 N and (b) for R = −10 N, as in the
@@ -226,7 +227,8 @@ def _attractor_check(case: xr.Dataset, id: str, expected: str, reading: str = ""
     touches = (named(case.event_kind, "seizure", "contact reversal") & (case.event_time.values > 0)).sum(axis=1)
     holds = drawn.all() and np.ptp(amplitude) <= 1e-12 * amplitude.max() and (grid | others).all()
     holds = holds and (touches.min() > 0 or id != "fig8_14.settles")
-    words = {"touches": " and ".join(map(str, touches)), "attractors": _names(case.attractor), "reading": reading}
+    reached = " and ".join(sorted(map(plain, counted(case.attractor))))
+    words = {"touches": " and ".join(map(str, touches)), "attractors": reached, "reading": reading}
     numbers = {"mass": case.mass, "force": case.axial_force, "grid": grid, "amplitude": amplitude}
     return Check.that(id, holds, **words, **numbers)
 
@@ -299,11 +301,6 @@ def _accumulation_checks(heavy: xr.Dataset) -> list[Check]:
         Check.that("fig8_14.in_corner", abs(gap) < 1e-12, gap=gap),
         Check.that("fig8_14.few", (few < many).all(), few=" and ".join(map(str, few)), many=many),
     ]
-
-
-def _names(labels: xr.DataArray) -> str:
-    words = flag_names(labels)
-    return " and ".join(sorted({words[label] for label in labels.values.ravel()}))
 
 
 @style.styled

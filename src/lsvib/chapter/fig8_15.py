@@ -187,9 +187,8 @@ def _boundary_checks(dataset: xr.Dataset, drive: Values, p: SimpleNamespace) -> 
 
     By the signs of a_4 and the discriminant of (8.24).
     """
-    flutter, kinematic, divergence = (
-        named(dataset.stability, x) for x in ("flutter", "kinematic constraint", "divergence")
-    )
+    kinds = ("flutter", "kinematic constraint", "divergence")
+    flutter, kinematic, divergence = (named(dataset.stability, kind) for kind in kinds)
     both = int(np.sum((p.discriminant < 0) & kinematic) + np.sum((p.a_4 < 0) & flutter))
     friction, k = dataset.friction_coefficient.values, drive["coupling_stiffness"]
     ends = [dataset[f"{name}_boundary"] for name in ("lower", "upper")]
@@ -242,13 +241,10 @@ def _support_checks(dataset: xr.Dataset, drive: Values) -> list[Check]:
     reduced_mass = drive["mass"] * drive["screw_mass"] / (drive["mass"] + drive["screw_mass"])
     rigid = {name: value for name, value in drive.items() if name not in PART_OF}
     locked = Drive.of(rigid, friction_coefficient=float(dataset.critical_friction))
+    critical_mass = [*place_values(locked, "kinematic_constraint", "mass"), np.nan][0]
     return [
         Check.that("fig8_15.necessary", necessary, early=early, against=against),
-        Check.of(
-            "fig8_15.reduced_mass",
-            [*place_values(locked, "kinematic_constraint", "mass"), np.nan][0],
-            expected=reduced_mass,
-        ),
+        Check.of("fig8_15.reduced_mass", critical_mass, expected=reduced_mass),
         Check.everywhere("fig8_15.paradoxes", kinematic == paradox[:, None], "points"),
         Check.everywhere("fig8_15.flutter", kinds[there] == UndampedClass.FLUTTER, "friction coefficients"),
     ]

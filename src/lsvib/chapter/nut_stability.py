@@ -1,5 +1,7 @@
 """Rotating nut: critical mass against the inertia of the nut (Remark 8.6), and the stability map of (8.33)."""
 
+from typing import Any
+
 import numpy as np
 import xarray as xr
 from pydantic import Field
@@ -8,7 +10,7 @@ from lsvib.answers import attributes as cf
 from lsvib.answers import spans
 from lsvib.chapter import newton, printed_laws
 from lsvib.chapter.checks import Check
-from lsvib.chapter.common import about, over_map, thinned
+from lsvib.chapter.common import about, bisected, over_map, thinned
 from lsvib.chapter.settings import DriveFigure, PositiveSpan, Span, Values
 from lsvib.drives import chapter
 from lsvib.drives.drive import Drive
@@ -48,7 +50,13 @@ def build(settings: Values) -> xr.Dataset:
     rigid, *closed = (least for least, *_ in masses)
     friction = spans.even(settings["friction_coefficient"])
     drive.replace(friction_coefficient=float(friction.max()))  # refuses what is beyond cot λ
-    passing = _passing(dict(drive) | {"nut_inertia": inertia}, rigid)
+
+    def passed(mass: np.ndarray) -> Any:
+        """Whether one 1/ω² is negative, or vanishes."""
+        squares = reciprocal_squares(dict(drive) | {"nut_inertia": inertia, "mass": mass}, law=1)
+        return ~(np.prod(np.sign(squares.real), axis=-1) > 0)
+
+    passing = bisected(passed, 0 * inertia, np.full(inertia.size, rigid))
     grid = {**dict(drive), "friction_coefficient": friction[:, None], "nut_inertia": inertia}
     kinds, plane = undamped_class(grid, law=1), ("friction_coefficient", "nut_inertia")
     holds = "friction coefficient from which on (8.33) holds, missing if from none"
@@ -81,15 +89,6 @@ def build(settings: Values) -> xr.Dataset:
             comment="R Omega > 0; the dampings enter only where a check repeats the classes with damping",
         ),
     )
-
-
-def _passing(nuts: Values, rigid: float) -> np.ndarray:
-    """Where the product of both 1/ω² changes its sign between zero and the rigid one, to the last bit [kg]."""
-    low, high = np.zeros(nuts["nut_inertia"].size), np.full(nuts["nut_inertia"].size, rigid)
-    while ((low < (middle := (low + high) / 2)) & (middle < high)).any():
-        passed = ~(np.prod(np.sign(reciprocal_squares({**nuts, "mass": middle}, law=1).real), axis=-1) > 0)
-        low, high = np.where(passed, low, middle), np.where(passed, middle, high)
-    return high
 
 
 def _reduced(p: Values) -> tuple[np.ndarray, np.ndarray]:

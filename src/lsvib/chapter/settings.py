@@ -40,13 +40,6 @@ class FigureSettings(SettingsSection):
     tables: ClassVar[tuple[Path, ...]] = ()
 
 
-def _ordered(low: float, high: float, names: tuple[str, str]) -> None:
-    if not low < high:
-        words = "has {low_name} = {low} and {high_name} = {high}; it needs {low_name} < {high_name}"
-        context = {"low_name": names[0], "high_name": names[1], "low": f"{low:g}", "high": f"{high:g}"}
-        raise PydanticCustomError("of_the_whole", words, context)
-
-
 class Span(SettingsSection):
     """Evenly spaced values from start to stop, both included."""
 
@@ -56,7 +49,9 @@ class Span(SettingsSection):
 
     @model_validator(mode="after")
     def _start_is_below_stop(self) -> Self:
-        _ordered(self.start, self.stop, ("start", "stop"))
+        if not self.start < self.stop:
+            words = "has start = {start} and stop = {stop}; it needs start < stop"
+            raise PydanticCustomError("of_the_whole", words, {"start": f"{self.start:g}", "stop": f"{self.stop:g}"})
         return self
 
 
