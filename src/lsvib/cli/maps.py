@@ -1,19 +1,13 @@
 """The commands about regions: of attraction in the phase plane, and resilience."""
 
-import math
-from collections.abc import Iterator
 from time import perf_counter
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
 from lsvib.cli import options
 from lsvib.cli.app import ProgressLine, app, show
 from lsvib.errors import InputError
-from lsvib.words import plain
-
-if TYPE_CHECKING:
-    from lsvib.dynamics.resilience import Resilience
 
 Quantities = Annotated[
     list[Literal["label", "time", "seizures", "first_event", "doubt"]],
@@ -70,18 +64,4 @@ def resilience(
     """
     part = {span.key: (span.low, span.high) for span in window} if window else None
     reserve = drive.drive().resilience(part)
-    show(reserve.to_json(), as_json, _of_resilience(reserve))
-
-
-def _of_resilience(found: "Resilience") -> Iterator[str]:
-    def size(value: float, unit: str) -> str:
-        return f"{value:.12g} {unit}" if math.isfinite(value) else "unlimited"
-
-    yield f"boundary of the region of attraction: {plain(found.boundary)}"
-    yield f"largest tolerated perturbation of the deflection: {size(found.angle, 'rad')}"
-    yield f"largest tolerated perturbation of the speed: {size(found.speed, 'rad/s')}"
-    u, w = found.state
-    state = f", at u = {u:.12g} rad, w = {w:.12g} rad/s" if math.isfinite(found.energy) else ""
-    yield f"largest tolerated perturbation by energy: {size(found.energy, 'J')}{state}"
-    if found.window is not None:
-        yield f"share of the window that settles: {found.fraction:.12g}"
+    show(reserve.to_json(), as_json, reserve.text())

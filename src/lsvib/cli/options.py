@@ -203,9 +203,7 @@ class Files:
         if figure is not None and figure.suffix != ".png":
             raise InputError(f"figure = {figure} does not end in .png; a PDF is written beside it.")
         self.out, self.figure = out, figure
-        self.paths = [out] if out else []
-        if figure is not None:
-            self.paths += [figure, figure.with_suffix(".pdf")]
+        self.paths = [path for path in (out, figure, figure and figure.with_suffix(".pdf")) if path]
         check_outputs(self.paths, [reads] if reads else [])
 
     def write(self, dataset: "xr.Dataset", command: str = "lsvib") -> None:

@@ -18,6 +18,7 @@ from lsvib.dynamics.boundary import AttractsNothing, Basin, basin
 from lsvib.numbers import bisected
 from lsvib.systems.curves import Arc, Part, Piece, Window, passes, sign_changes, state_on, states_on
 from lsvib.systems.flow import Flow
+from lsvib.words import plain
 
 _SAMPLES = 400  # of an arc under a friction law, between which the energy is taken to have no two extrema
 
@@ -45,6 +46,21 @@ class Resilience:
         found = asdict(self) | {"window": None if self.window is None else self.window._asdict()}
         found = {name: None if isinstance(x, float) and not math.isfinite(x) else x for name, x in found.items()}
         return found | {"state": [x if math.isfinite(x) else None for x in self.state]}
+
+    def text(self) -> Iterator[str]:
+        """Say it in lines."""
+
+        def size(value: float, unit: str) -> str:
+            return f"{value:.12g} {unit}" if math.isfinite(value) else "unlimited"
+
+        yield f"boundary of the region of attraction: {plain(self.boundary)}"
+        yield f"largest tolerated perturbation of the deflection: {size(self.angle, 'rad')}"
+        yield f"largest tolerated perturbation of the speed: {size(self.speed, 'rad/s')}"
+        u, w = self.state
+        state = f", at u = {u:.12g} rad, w = {w:.12g} rad/s" if math.isfinite(self.energy) else ""
+        yield f"largest tolerated perturbation by energy: {size(self.energy, 'J')}{state}"
+        if self.window is not None:
+            yield f"share of the window that settles: {self.fraction:.12g}"
 
 
 def resilience(drive: Drive, window: Part | None = None) -> Resilience:
