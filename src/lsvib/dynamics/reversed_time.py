@@ -20,7 +20,6 @@ from lsvib.drives.law_modes import modes_of
 from lsvib.drives.mechanics import coefficients
 from lsvib.drives.model import automaton_of
 from lsvib.drives.names import Event, MotionMode
-from lsvib.errors import InputError
 from lsvib.systems.automaton import Automaton, Branch, Guard, Mode, Surface, Transition, assemble
 from lsvib.systems.exact.arithmetic import Row, many_digits
 from lsvib.systems.exact.modal_form import PlanarMode
@@ -33,26 +32,23 @@ def backward_automaton(drive: Drive, touch: arb | None = None) -> Automaton:
     """Return the automaton of a drive in reversed time, Ω > 0.
 
     ``touch`` [rad], for Γ₊ ≤ 0: the deviation u at which a motion touches Q = 0; slip forward ends on one side of it
-    only. Raises ``InputError`` if Ω < 0: mirror the drive.
+    only.
     """
-    if drive.input_speed < 0:
-        raise InputError(f"input_speed = {drive.input_speed:g} is outside the allowed range 0 < input_speed.")
     c, (q_u, q_w, q_0) = coefficients(drive), coefficients(drive).q_row
     with many_digits():
         forward = modes_of(drive.exact(), ())
         backward = q_u, -q_w, q_0
         slips = {key: forward.solution(key).field[1] for key in forward.slips if not c.paradox or key[0] > 0}
-        terms = {key: (1, damping, -stiffness, force) for key, (stiffness, damping, force) in slips.items()}
     surfaces = {
         "contact": Surface(backward, int(automaton_of(drive).tables.snap[0])),
         "screw_speed": Surface((0, -1, drive.input_speed), 1),
     }
     modes, transitions = {}, _seizures(c.q_row, touch) if c.paradox else {}
-    for key, own in terms.items():
+    for key, (stiffness, damping, force) in slips.items():
         (d, q, ways), name = key, forward.name(key)
         contact = Guard("contact", q, "nothing" if c.paradox else f"contact_{name}")
         guards = (contact, Guard("screw_speed", d, f"stand_{name}"))
-        modes[name] = Mode(MotionMode[name.upper()], PlanarMode.of(*own), guards)
+        modes[name] = Mode(MotionMode[name.upper()], PlanarMode.of(1, damping, -stiffness, force), guards)
         if not c.paradox:
             reversal = Branch(forward.name((d, -q, ways)), Event.CONTACT_REVERSAL)
             transitions[f"contact_{name}"] = Transition((reversal,))

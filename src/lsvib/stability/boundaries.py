@@ -153,23 +153,24 @@ class Line:
 
     def __init__(self, drive: Drive, unknown: str, side: int) -> None:
         self.drive, self.unknown, self.side = drive, unknown, side
-        self.fixed: dict[str, Any]
-        self.tangent: Any
-        self.fixed, self.tangent = spectrum.enclosed(drive)[0]
-        if self.fixed["decay"] < spectrum.LEAST:  # which would only part double roots by as little
-            self.fixed["decay"] = fmpq(0)
+        self.searched = searched(drive, unknown)
+        self.fixed: dict[str, Any] = {key: arb(value) for key, value in drive}
+        self.tangent: Any = self.fixed["lead_angle"].tan()
+        if not self.searched:
+            self.fixed, self.tangent = spectrum.enclosed(drive)[0]
+            if self.fixed["decay"] < spectrum.LEAST:  # which would only part double roots by as little
+                self.fixed["decay"] = fmpq(0)
         self.neutral = spectrum.undamped(drive, unknown)
         self.sense = side if unknown == "input_speed" else 1 if drive.input_speed > 0 else -1
         self.sloped = friction.depends_on_speed(drive) or unknown in friction.OF_SPEED
-        self.searched = searched(drive, unknown)
-        if self.searched:
-            self.fixed = {key: arb(value) for key, value in drive}
-            self.tangent = self.fixed["lead_angle"].tan()
         slide = getattr(drive, "slide_friction", 0.0) or unknown == "slide_friction"
         self.force = RootCondition(_NET_FORCE_OF_SLIDE if slide else _NET_FORCE, net_force)
         self.lowest, self.limit = fmpq(0), self._limit()
-        if self.searched:
-            self._speed_limits()
+        if self.searched:  # up to where μ tan λ < 1 in steady sliding
+            bounds = bounds_of(Drive, unknown)
+            self.lowest = fmpq(*float(bounds.get("least", bounds["ge"])).as_integer_ratio())
+            locked = RootCondition("", lambda values, t, sense: 1 - t * _friction(values, t, sense))
+            self.limit = min([*(self.roots_of(locked) or []), self.limit])
 
     def _limit(self) -> Any:
         """The largest distance from zero, as far as it is no matter of the sliding speed in the law of friction."""
@@ -191,13 +192,6 @@ class Line:
         for level, bound in ((one * slowest, static or cot), (one * _friction(*place), cot)):
             limits += [(bound - level[0]) / level[1]] if level[1] > 0 else []
         return min(limits)
-
-    def _speed_limits(self) -> None:
-        """Narrow a parameter of the sliding speed to where μ tan λ < 1 in steady sliding."""
-        bounds = bounds_of(Drive, self.unknown)
-        self.lowest = fmpq(*float(bounds.get("least", bounds["ge"])).as_integer_ratio())
-        locked = RootCondition("", lambda values, t, sense: 1 - t * _friction(values, t, sense))
-        self.limit = min([*(self.roots_of(locked) or []), self.limit])
 
     def at(self, x: Any) -> tuple[ParameterValues, Any, int]:
         """Return the arguments of a condition at a distance x ≥ 0 from zero, a number or the unknown of a polynomial.

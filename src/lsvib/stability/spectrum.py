@@ -126,18 +126,11 @@ def eigenvalue_pair(inertia: ArrayLike, damping: ArrayLike, stiffness: ArrayLike
     discriminant = (square - product) + (of_square - of_product)
     sign = np.where(c < 0, -1.0, 1.0)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        root = np.sqrt(np.abs(discriminant))
-        q = -(c + sign * root) / 2
-        first = q / gamma
+        q = -(c + sign * np.sqrt(discriminant.astype(complex))) / 2
+        first = np.where(gamma == 0, np.nan, q / gamma)
         # q vanishes only with C_0 = 0 and k Γ_0 = 0, where both eigenvalues are zero.
-        second = np.where(q == 0, 0.0, k / q)
-        pair = np.stack([np.fmin(first, second) + 0j, np.fmax(first, second) + 0j], axis=-1)
-        centre = -c / (2 * gamma)
-        half = np.abs(root / (2 * gamma))
-        focus = np.stack([centre - 1j * half, centre + 1j * half], axis=-1)
-        flat = np.stack([-k / c + 0j, np.full_like(c, np.nan) + 0j], axis=-1)
-    pair = np.where((discriminant < 0)[..., None], focus, pair)
-    return np.where((gamma == 0)[..., None], flat, pair)
+        second = np.where(discriminant < 0, first.conj(), np.where(q == 0, 0.0, k / q))
+    return np.sort(np.stack([first, second], axis=-1), axis=-1)
 
 
 def _rounded_product(a: Any, b: Any) -> tuple[Any, Any]:
@@ -192,15 +185,14 @@ def enclosed(drive: Drive, digits: int = 100) -> tuple[tuple[dict[str, fmpq], fm
         return tuple(({**values, "secant": secant, "decay": decay}, t) for secant, decay, t in ends)
 
 
-def spectrum(drive: Drive, law: int, level: bool = False) -> tuple[str, list[complex], Polynomial]:
+def spectrum(drive: Drive, law: int) -> tuple[str, list[complex], Polynomial]:
     """Class, eigenvalues [1/s] in ascending real part, and det(M s² + C s + K) of the steady sliding of a drive.
 
     Of the rigid drive (8.18) the class is ``stable_node``, ``stable_focus``, ``centre``, ``unstable_focus``,
     ``unstable_node`` or ``saddle``. Of a drive of more bodies it is ``stable`` (asymptotically), ``neutral`` (no
     eigenvalue to the right of the imaginary axis, simple ones on it, as without damping), ``kinematic_constraint`` (det
     M < 0), else ``divergence`` or ``flutter`` by whether the eigenvalue that grows fastest is real. Signs are certain,
-    eigenvalues rounded once. ``level`` leaves out the slope of friction. Raises ``InputError`` where μ is below cot λ
-    only by the rounding of cot λ to a double.
+    eigenvalues rounded once. Raises ``InputError`` where μ is below cot λ only by the rounding of cot λ to a double.
     """
     digits = 100
     parameters, tangent = enclosed(drive, digits)[1]
@@ -210,8 +202,6 @@ def spectrum(drive: Drive, law: int, level: bool = False) -> tuple[str, list[com
     # one vanishes to some 80 digits, four times as many.
     while True:
         parts, other = (LinearParts.of(values, law, t) for values, t in enclosed(drive, digits))
-        if level:
-            parts, other = parts.level(), other.level()
         exact = parts.polynomial()
         if (kind := _class(exact)) == _class(other.polynomial()):
             break
