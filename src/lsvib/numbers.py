@@ -18,13 +18,13 @@ class NotNumber(InputError):
     """A value is not a number, or not a whole one; the sentence has no name yet."""
 
 
-def bisected(turned: Callable[[float], bool], low: float, high: float, part: float = 0.0) -> float:
+def bisected(turned: Callable[[float], bool], low: float, high: float) -> float:
     """Return where a condition turns true between ``low``, where it is not, and ``high``, where it is, to the last bit.
 
-    The result is one of two neighbouring doubles, or of two that are a ``part`` of it apart, that on the side of
-    ``high``, so that the condition holds there; ``high`` may also be the smaller end.
+    The result is one of two neighbouring doubles, that on the side of ``high``, so that the condition holds there;
+    ``high`` may also be the smaller end.
     """
-    while abs(high - low) > part * abs(high) and (middle := (low + high) / 2) not in (low, high):
+    while (middle := (low + high) / 2) not in (low, high):
         low, high = (low, middle) if turned(middle) else (middle, high)
     return high
 

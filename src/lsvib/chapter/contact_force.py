@@ -62,7 +62,9 @@ def contact_automaton(drive: Drive, paradox: Paradox, *, backwards: bool = False
     if plus >= 0:
         raise InputError("The effective inertia of law + is not negative: there is no paradox.")
     square = -force_scale(drive) * plus / minus  # ρ²
-    damping = drive.contact_damping * contact_frequency(drive) / drive.contact_stiffness * (-1) ** backwards
+    stiffness = drive.contact_stiffness * math.cos(drive.lead_angle) * lever(drive, -1)
+    frequency = math.sqrt(stiffness * minus / (drive.mass * drive.screw_inertia))  # ω̄_- (eq. 8.9)
+    damping = drive.contact_damping * frequency / drive.contact_stiffness * (-1) ** backwards
     terms = {"+": (1.0, -square * damping, -square, 1 / minus), "-": (1.0, damping, 1.0, 1 / minus)}
     right, left = ("+", "-")[::paradox]
     sides = {right: 1, left: -1}
@@ -96,13 +98,6 @@ def outcome(motion: Motion) -> ForceOutcome:
     """Return what becomes of the force, by the closed form of the last arc; one that still crosses N = 0 is bounded."""
     grows = growing_part(motion) if motion.status == Status.SETTLED else 0.0
     return (ForceOutcome.BOUNDED, ForceOutcome.PLUS_INFINITY, ForceOutcome.MINUS_INFINITY)[int(np.sign(grows))]
-
-
-def contact_frequency(drive: Drive) -> float:
-    """Frequency of the contact under law −, ω̄_- = √(k_c cos λ b_- Γ_- / (m I)) [1/s] (eq. 8.9)."""
-    inertia = drive.mass * drive.screw_inertia
-    stiffness = drive.contact_stiffness * math.cos(drive.lead_angle) * lever(drive, -1)
-    return math.sqrt(stiffness * float(coefficients(drive).gamma[-1]) / inertia)
 
 
 def force_scale(drive: Drive) -> float:
