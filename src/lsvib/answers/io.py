@@ -44,7 +44,7 @@ def write_dataset(dataset: xr.Dataset, path: str | os.PathLike[str], maker: str 
         if problem:
             raise InputError(f"{path.name}: the variable {name} {problem}.")
     complete = dataset.drop_encoding().assign_attrs(Conventions=CONVENTIONS, **provenance(maker))
-    encoding = {name: _encoding(variable, name in dataset.coords) for name, variable in dataset.variables.items()}
+    encoding = {name: _encoding(variable) for name, variable in dataset.variables.items()}
     with replacing(path) as (part,):
         try:
             with uninterrupted():  # of a write that is cut short the library keeps its lock for ever
@@ -100,9 +100,9 @@ def _problem(name: str, variable: xr.Variable, is_coordinate: bool) -> str:
     return ""
 
 
-def _encoding(variable: xr.Variable, is_coordinate: bool) -> dict[str, Any]:
-    """Encode without fill value unless values are missing (CF forbids it on coordinates); compress what is big."""
-    missing = not is_coordinate and variable.dtype.kind == "f" and bool(np.isnan(variable.values).any())
+def _encoding(variable: xr.Variable) -> dict[str, Any]:
+    """Encode without fill value unless values are missing, which no coordinate's are (CF); compress what is big."""
+    missing = variable.dtype.kind == "f" and bool(np.isnan(variable.values).any())
     encoding: dict[str, Any] = {"_FillValue": variable.dtype.type(np.nan) if missing else None}
     if variable.size >= 1024:  # below that, compression costs more bytes than it saves
         encoding |= {"zlib": True, "complevel": 4, "shuffle": True}

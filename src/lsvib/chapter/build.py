@@ -63,11 +63,7 @@ def dataset_of(figure: str, given: Mapping[str, Any], parts: Mapping[str, File] 
 
 
 def draw_figure(
-    figure: str,
-    dataset_file: File,
-    png: File,
-    pdf: File | None = None,
-    caption: File | None = None,
+    figure: str, dataset_file: File, png: File, pdf: File | None = None, caption: File | None = None
 ) -> None:
     """Draw a figure, ``attraction`` and ``chart`` included, from its dataset and write it.
 

@@ -51,10 +51,7 @@ def attraction(
 
 @app.command
 def resilience(
-    *,
-    drive: options.DriveOptions = options.CHAPTER,
-    window: options.Window = None,
-    as_json: options.AsJson = False,
+    *, drive: options.DriveOptions = options.CHAPTER, window: options.Window = None, as_json: options.AsJson = False
 ) -> None:
     """Find the largest perturbations that the rigid drive's steady sliding tolerates, and how much of a window settles.
 

@@ -252,9 +252,8 @@ def _require_rest_in_basin(drive: Drive, c: Coefficients, edge: float) -> None:
     d = drive.exact()
     with many_digits():
         upper = 1 if d.axial_force >= 0 else -1
-        released = (
-            c.damping[-1] * d.input_speed + d.pitch_radius * c.slack(upper) * d.axial_force
-        ) / d.coupling_stiffness
+        torque = c.damping[-1] * d.input_speed + d.pitch_radius * c.slack(upper) * d.axial_force
+        released = torque / d.coupling_stiffness
     if not edge < released:
         raise InputError(
             f"axial_force = {drive.axial_force:g} has the sign of input_speed although the net force has not, and rest "

@@ -12,8 +12,6 @@ import numpy as np
 
 from lsvib.drives.drive import Drive
 from lsvib.drives.powers import Powers
-from lsvib.systems.automaton import product
-from lsvib.systems.cycles import integrals
 from lsvib.systems.motion import Motion
 
 
@@ -46,13 +44,6 @@ class Work:
         """Work that motor or load receives over what the other puts in [1]; 0 if both put in."""
         put_in = max(self.motor, self.load)
         return max(-min(self.motor, self.load), 0.0) / put_in if put_in > 0 else math.nan
-
-
-def rubbing_integrals(drive: Drive, orbit: Motion) -> np.ndarray:
-    """Return ∫ μ N dt [N s] (arcs) over each arc of a motion; at rest it has no meaning."""
-    rows, one = orbit.automaton.observables["normal_force"], np.eye(orbit.start_state.size + 1)[-1]
-    powers = Powers(drive, orbit.automaton)
-    return integrals(orbit, lambda mode: [powers.rubbed(product(rows[mode], one))])[:, 0]
 
 
 def work(drive: Drive, orbit: Motion) -> Work:

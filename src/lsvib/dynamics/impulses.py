@@ -26,8 +26,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from lsvib.drives.drive import Drive
-from lsvib.dynamics.energy import rubbing_integrals
-from lsvib.systems.cycles import observable_integrals
+from lsvib.drives.powers import Powers
+from lsvib.systems.automaton import product
+from lsvib.systems.cycles import integrals, observable_integrals
 from lsvib.systems.motion import Motion
 
 
@@ -87,7 +88,8 @@ def mean_load(drive: Drive, orbit: Motion) -> np.ndarray:
     # Neither θ′ nor N changes its sign along an arc.
     force = automaton.observe("normal_force", starts, modes) + automaton.observe("normal_force", ends, modes)
     law = np.sign(force * (2 * drive.input_speed + starts[:, 1] + ends[:, 1]))
-    rubbed = law * rubbing_integrals(drive, orbit)
+    powers, rows, one = Powers(drive, automaton), automaton.observables["normal_force"], np.eye(starts.shape[1] + 1)[-1]
+    rubbed = law * integrals(orbit, lambda mode: [powers.rubbed(product(rows[mode], one))])[:, 0]  # ∫ μ N dt
     rests = automaton.marked(automaton.codes[modes], "rest")
     axial = np.where(rests, drive.axial_force * durations, normal * cosine + rubbed * sine)
     torque = np.where(rests, torque, drive.pitch_radius * (rubbed * cosine - normal * sine))

@@ -110,10 +110,6 @@ def _polynomial(values: ParameterValues, law: int, t: Any) -> Polynomial:
     return LinearParts.of(values, law, t).polynomial()
 
 
-def _damping(values: ParameterValues, t: Any, sense: int) -> Any:
-    return LinearParts.of(values, 1, t).level().polynomial()[1]
-
-
 def _friction(values: ParameterValues, t: Any, sense: int) -> Any:
     return friction.steady_sum(values, t)[0]
 
@@ -347,11 +343,10 @@ def places(drive: Drive, name: str, unknown: str) -> list[Place] | None:
     lines, neutral = Line.all_of(drive, unknown), spectrum.undamped(drive, unknown)
     if name == "flutter":
         wanted = {law: _margins(drive, law, neutral, False)[-1] for law in (1, -1)}
-    elif name == "kinematic_constraint":
-        leading = lambda values, t, sense: LinearParts.of(values, 1, t).level().stiff().polynomial()[0]  # noqa: E731
-        wanted = {0: RootCondition(model_of(drive).constraint, leading)}
     else:
-        wanted = {0: RootCondition(_DAMPING, _damping)}
+        words, which = (_DAMPING, 1) if name == "negative_damping" else (model_of(drive).constraint, 0)
+        number = lambda values, t, sense: LinearParts.of(values, 1, t).level().stiff().polynomial()[which]  # noqa: E731
+        wanted = {0: RootCondition(words, number)}
     roots = [(line, law, c, line.roots_with_friction(c)) for line in lines for law, c in wanted.items()]
     if all(found is None for *_, found in roots):
         return None
