@@ -38,12 +38,11 @@ def analyse(
     reports = [stability(drive) for drive in drives]
     roots = np.array([report.eigenvalues for report in reports])
     dims, part = ("case", "eigenvalue"), "part of the eigenvalue of steady sliding"
+    settles = "whether steady sliding is asymptotically stable"
     found: Variables = {
         "eigenvalue_real_part": variable(dims, roots.real, "s-1", f"real {part}", r"Re $\varepsilon$"),
         "eigenvalue_imaginary_part": variable(dims, roots.imag, "rad s-1", f"imaginary {part}", r"Im $\varepsilon$"),
-        "stable": yes_no(
-            "case", [report.stable for report in reports], "whether steady sliding is asymptotically stable"
-        ),
+        "stable": yes_no("case", [report.stable for report in reports], settles),
     }
     for name, first in reports[0].quantities.items():
         values = [report.quantities[name].value for report in reports]

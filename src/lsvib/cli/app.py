@@ -133,10 +133,8 @@ class ProgressLine:
         if step == self.shown or total == 1:  # one piece of work is not far until it is done
             return
         self.shown = step
-        end = "\n" if done == total or not terminal else ""
-        print(
-            f"{chr(13) if terminal else ''}{percent:3d} % of {total} {self.what}", end=end, file=sys.stderr, flush=True
-        )
+        start, end = "\r" if terminal else "", "\n" if done == total or not terminal else ""
+        print(f"{start}{percent:3d} % of {total} {self.what}", end=end, file=sys.stderr, flush=True)
 
 
 class _Sentences(logging.Handler):

@@ -185,9 +185,8 @@ def _group_endings(drives: ManyDrives, group: Group, starts: np.ndarray) -> tupl
         angle=angle,
         impulse=axial * along - torque * across,
     )
-    kernels.ends_of_many(
-        _rule(automaton, one), members, np.flatnonzero(done), np.int64(Event.CONTACT_REVERSAL), answers
-    )
+    followed, reverses = np.flatnonzero(done), np.int64(Event.CONTACT_REVERSAL)
+    kernels.ends_of_many(_rule(automaton, one), members, followed, reverses, answers)
     outcomes = answers.outcomes
     _slide(group, outcomes == Outcome.SLIDES, found)
     cycles = outcomes == Outcome.CYCLE

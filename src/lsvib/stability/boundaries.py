@@ -34,7 +34,7 @@ _DAMPING = "C₊ = c − ξ₊ r_m² tan λ c_x = 0 (eq. 8.19)"
 _SLOPED = "C_0 + r_m² |R̃| μ′ / [cos³ λ (1 + s_0 μ tan λ)²] = 0 with μ and μ′ at the speed of steady sliding (eq. 8.19)"
 _NET_FORCE = "R̃ = R − r_m tan λ c_x Ω = 0 (eqs 8.15, 8.19)"
 _NET_FORCE_OF_SLIDE = "R − r_m tan λ c_x Ω − F_0 sgn Ω = 0 (eq. 8.15)"
-_FLUTTER = "Hurwitz determinant (p_3 p_2 − p_4 p_1) p_1 − p_3² p_0 of det(M s² + C s + K) = 0: two eigenvalues ± i ω"
+_FLUTTER = "Hurwitz determinant {} of det(M s² + C s + K) = 0: two eigenvalues ± i ω"
 FRICTIONLESS = "μ = 0 at the speed of steady sliding, beyond which friction is cut off"
 _COUPLING = "p_2² − 4 p_4 p_0 of det(M s² + K) = 0: two frequencies meet (8.29)"
 
@@ -124,10 +124,8 @@ def _margins(drive: Drive, law: int, neutral: bool, sloped: bool) -> list[RootCo
         powers = (4, 2) if neutral and order == 4 else range(order, 0, -1)
         words = [f"p_{n} of det(M s² + C s + K) = 0" for n in powers]
         words += [f"Hurwitz determinant of order {k} of det(M s² + C s + K) = 0" for k in range(3, order - 1, 2)]
-        flutter = (
-            _FLUTTER if order == 4 else _FLUTTER.replace("(p_3 p_2 − p_4 p_1) p_1 − p_3² p_0", f"of order {order - 1}")
-        )
-        words.append(_COUPLING if neutral and order == 4 else flutter)
+        last = "(p_3 p_2 − p_4 p_1) p_1 − p_3² p_0" if order == 4 else f"of order {order - 1}"
+        words.append(_COUPLING if neutral and order == 4 else _FLUTTER.format(last))
         if not model.compliant:
             words[0] = model.constraint
 

@@ -20,7 +20,7 @@ from lsvib.drives.complaints import allowed_range
 from lsvib.drives.drive import Drive
 from lsvib.errors import NoThreshold
 from lsvib.stability.motion_equations import Return, Start
-from lsvib.stability.slip import CLOSE, SlipDrive, decay_of_large_motions, slowest_point
+from lsvib.stability.slip import CLOSE, SlipDrive, slowest_point
 from lsvib.stability.solve import bracketed_root
 from lsvib.systems.exact.arithmetic import many_digits
 
@@ -71,12 +71,14 @@ def stick_start(drive: Drive) -> Start:
     extreme velocity w_1 of the cycle at R̃ = 1 N.
     """
     d = _negatively_damped(drive)
-    if not d.slip(1).turns:
+    plus, minus = d.slip(1), d.slip(-1)
+    if not plus.turns:
         raise NoThreshold(
             "slip under law + grows without a turn for this drive, so slip has no limit cycle that could touch rest."
         )
-    decay = decay_of_large_motions(d)
-    if abs(decay) <= 1e-12:  # in a turn: rounding
+    # The logarithm by which a large motion has decayed after a turn; infinite where slip under law − does not turn.
+    decay = arb.pi() * (plus.alpha / plus.beta + minus.alpha / minus.beta) if minus.turns else arb.pos_inf()
+    if abs(decay) <= 1e-12:  # rounding
         raise NoThreshold(
             "growth under law + and decay under law - balance to rounding in large motions of this drive, so whether "
             "slip without rest has a limit cycle is not decided."

@@ -208,12 +208,6 @@ def leaving(slip: Slip, contact: Any, height: Any, slope: Any) -> tuple[Any, Any
     return -(q_w * w + height) / q_u, w
 
 
-def decay_of_large_motions(drive: SlipDrive) -> arb:
-    """Logarithm by which a large motion has decayed after a turn; infinite where slip under law − does not turn."""
-    plus, minus = drive.slip(1), drive.slip(-1)
-    return arb.pi() * (plus.alpha / plus.beta + minus.alpha / minus.beta) if minus.turns else arb.pos_inf()
-
-
 def slowest_point(drive: SlipDrive) -> tuple[arb, int, tuple[arb, arb, arb]]:
     """Return the point of the cycle at which the screw is slowest; the conditions of the module docstring must hold.
 

@@ -24,7 +24,7 @@ from lsvib.errors import EngineError, InputError, NoThreshold
 from lsvib.numbers import shown
 from lsvib.results import Derivative, Threshold, ThresholdSolution
 from lsvib.stability import boundaries
-from lsvib.stability.boundaries import FRICTIONLESS, Place, StableSet, places, searched, stable_set
+from lsvib.stability.boundaries import FRICTIONLESS, Place, StableSet, place_values, places, searched, stable_set
 from lsvib.stability.force_thresholds import STARTS
 from lsvib.stability.motion_equations import Start, equations
 from lsvib.stability.solve import DECADES, Root, Singular, outwards, samples, sign_changes, solved
@@ -156,11 +156,7 @@ def _by_force(drive: Drive, name: str) -> Threshold:
 def _by_search(drive: Drive, name: str, unknown: str) -> Threshold:
     found = []
     # Where these vanish a threshold begins or ends.
-    ends = [
-        float(p.value)
-        for other in ("kinematic_constraint", "negative_damping")
-        for p in places(drive, other, unknown) or []
-    ]
+    ends = [x for other in ("kinematic_constraint", "negative_damping") for x in place_values(drive, other, unknown)]
     for value in sign_changes(drive, unknown, lambda near: float(_start(name, near)[0]), samples(drive, unknown, ends)):
         near = drive.replace(**{unknown: value})
         with suppress(Singular, NoThreshold):  # a jump of the gap, not a root
