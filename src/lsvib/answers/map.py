@@ -135,11 +135,10 @@ def cells(grid: Grid, found: Mapping[str, np.ndarray]) -> dict[str, cf.Variable]
             comment="; ".join(f"{doubt.name.lower()}: {doubt}" for doubt in Doubt),
         ),
     }
-    data: cf.Variables = {name: (_dimensions(grid), array, about[name]) for name, array in found.items()}
-    if "time" in data:
-        dims, time, words = data.pop("time")
-        data["settling_time"] = dims, np.where(np.isfinite(time), time, np.nan), words
-    return data
+    if "time" in found:
+        found = {**found, "time": np.where(np.isfinite(found["time"]), found["time"], np.nan)}
+    names = {"time": "settling_time"}
+    return {names.get(name, name): (_dimensions(grid), array, about[name]) for name, array in found.items()}
 
 
 def surroundings(drive: Drive, mapper: Mapper, grid: Grid) -> dict[str, cf.Variable]:
