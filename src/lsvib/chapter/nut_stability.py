@@ -50,14 +50,15 @@ def build(settings: Values) -> xr.Dataset:
     rigid, *closed = (least for least, *_ in masses)
     friction = spans.even(settings["friction_coefficient"])
     drive.replace(friction_coefficient=float(friction.max()))  # refuses what is beyond cot λ
+    values = dict(drive) | {"nut_inertia": inertia}
 
     def passed(mass: np.ndarray) -> Any:
         """Whether one 1/ω² is negative, or vanishes."""
-        squares = reciprocal_squares(dict(drive) | {"nut_inertia": inertia, "mass": mass}, law=1)
+        squares = reciprocal_squares({**values, "mass": mass}, law=1)
         return ~(np.prod(np.sign(squares.real), axis=-1) > 0)
 
     passing = bisected(passed, 0 * inertia, np.full(inertia.size, rigid))
-    grid = {**dict(drive), "friction_coefficient": friction[:, None], "nut_inertia": inertia}
+    grid = {**values, "friction_coefficient": friction[:, None]}
     kinds, plane = undamped_class(grid, law=1), ("friction_coefficient", "nut_inertia")
     holds = "friction coefficient from which on (8.33) holds, missing if from none"
     own, drawn, closed_form = drive.friction_coefficient, "drawn_friction_coefficient", "critical mass, in closed form"
