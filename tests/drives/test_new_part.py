@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import lsvib
-from lsvib.drives import drive, model, names
+from lsvib.drives import drive, names
 from lsvib.drives.drive import Value, quantity
 
 OWN = {"flywheel_inertia": 4e-6, "flywheel_stiffness": 3.0, "flywheel_damping": 1e-5}
@@ -25,8 +25,8 @@ def flywheel(monkeypatch):
     monkeypatch.setitem(drive.IN_WORDS, "flywheel", "a flywheel behind a second coupling")
     monkeypatch.setitem(names.COORDINATES, "flywheel", ("flywheel_angle", "flywheel_rate"))
     monkeypatch.setitem(names.BODIES, "flywheel", names.Body("φ", on="screw"))
-    monkeypatch.setitem(model.QUANTITIES, "flywheel_angle", ("angle of the flywheel", "rad", "$φ$"))
-    monkeypatch.setitem(model.QUANTITIES, "flywheel_rate", ("angular speed of the flywheel", "rad s-1", "$φ'$"))
+    monkeypatch.setitem(names.WORDS, "flywheel_angle", ("angle of the flywheel", "rad", "$φ$"))
+    monkeypatch.setitem(names.WORDS, "flywheel_rate", ("angular speed of the flywheel", "rad s-1", "$φ'$"))
 
 
 def accelerations(p, gamma: float, u: float, w: float, v: float, rate: float) -> tuple[float, float]:

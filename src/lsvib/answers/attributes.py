@@ -16,7 +16,7 @@ import xarray as xr
 from lsvib import __version__
 from lsvib.drives import chapter
 from lsvib.drives.drive import Drive
-from lsvib.drives.model import QUANTITIES
+from lsvib.drives.observables import words_of
 
 Dims = str | tuple[str, ...]
 Variable = tuple[Dims, Any, dict[str, Any]]  # as xarray.Dataset takes one
@@ -50,7 +50,7 @@ def flags(words: Words, none: bool = False) -> dict[str, Any]:
 
 def quantity(name: str, when: str = "") -> dict[str, str]:
     """Return ``long_name``, ``units`` and ``symbol`` of a quantity of a drive, before or after an event if so said."""
-    long_name, units, symbol = QUANTITIES[name]
+    long_name, units, symbol = words_of(name)
     return {"long_name": f"{long_name}, {when} the event" if when else long_name, "units": units, "symbol": symbol}
 
 

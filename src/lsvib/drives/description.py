@@ -9,8 +9,8 @@ from flint import arb
 from lsvib.drives import friction
 from lsvib.drives.drive import IN_WORDS, PARTS, Drive
 from lsvib.drives.mechanism import Mechanism, seated
-from lsvib.drives.model import QUANTITIES, Model, model_of
-from lsvib.drives.names import BODIES
+from lsvib.drives.model import Model, model_of
+from lsvib.drives.names import BODIES, WORDS
 from lsvib.systems.exact.arithmetic import many_digits
 
 
@@ -63,7 +63,7 @@ def _coordinates(model: Model) -> dict[str, tuple[str, str]]:
         "angle_deviation": ("deviation u of the coupling deflection z = θ − Ω t from steady sliding", "rad"),
         "velocity_deviation": ("rate w of that deviation; the screw turns at θ′ = Ω + w", "rad s-1"),
     }
-    return {name: own.get(name) or QUANTITIES[name][:2] for name in model.states}
+    return {name: own.get(name) or WORDS[name][:2] for name in model.states}
 
 
 def _bodies(drive: Drive, reach: float) -> list[str]:

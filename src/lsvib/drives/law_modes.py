@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from flint import arb
 
-from lsvib.drives import friction, sliding
+from lsvib.drives import friction, observables, sliding
 from lsvib.drives.command import Command, one_after_the_other
 from lsvib.drives.drive import Drive, once
 from lsvib.drives.mechanism import Mechanism, seated
@@ -61,9 +61,8 @@ class LawModes(Modes):
 
         Returns the rows of the observables that count η times, by name and mode.
         """
-        parts: dict[str, dict[str, Row]] = {
-            name: dict.fromkeys(modes, self.m.constant(0)) for name in ("normal_force", "axial_contact_force")
-        }
+        rubbed = [name for name, one in observables.TABLE.items() if one.rubbed]
+        parts: dict[str, dict[str, Row]] = {name: dict.fromkeys(modes, self.m.constant(0)) for name in rubbed}
         pieces = sliding.of_law(sliding.pieces_of, self.m.d)
         laws = {self.name(key): key for key in self.slips}
         if self.paradox and sign(np.isfinite(self.low) * 1.0):
@@ -71,12 +70,12 @@ class LawModes(Modes):
         split_of = cache(self._split)
         for name, key in laws.items():
             d, q, _ = key
-            split, without, more = split_of(*self._known(key)[:2])
+            split, without, pressed = split_of(*self._known(key)[:2])
             row = sliding.speed_row(d, self.m.slip, self.m.d)
             modes[name] = replace(modes[name], flow=split.mode(row, pieces))
             seen[name] = without
-            for observable in parts:
-                parts[observable][name] = more[observable]
+            for observable, rows in parts.items():
+                rows[name] = split.part(without[observable], pressed[observable])
             if sign(np.isfinite(self.high) * 1.0) and d * q > 0:
                 self._bound(modes, name, f"beyond_{DIRECTIONS[d]}", d, self.high, -1, "beyond")
                 self.transitions["beyond"] = Transition(())
@@ -84,14 +83,12 @@ class LawModes(Modes):
         return parts
 
     def _split(self, d: int, law: int) -> tuple[Split, dict[str, Row], dict[str, Row]]:
-        """The field of slip as friction divides it, what is seen of it without friction, and what counts η times."""
+        """The field of slip as friction divides it, and what is seen of it without friction and with some."""
         t = self.m.d.tan_lead
         probe = t / 2 if sign(t - 1) < 0 else 1 / (2 * t)  # with which Γ_s > 0 under both laws, whatever the masses
         free, rubbed = (self.m.solve(d, law, (), mu) for mu in (0 * t, probe))
-        without, pressed = self._observed(free), self._observed(rubbed)
         split = Split.of(free.field, free.normal, rubbed.field, rubbed.normal, probe)
-        forces = ("normal_force", "axial_contact_force")
-        return split, without, {name: split.part(without[name], pressed[name]) for name in forces}
+        return split, observables.rows(self.m, free), observables.rows(self.m, rubbed)
 
     def _bound(
         self, modes: dict[str, Mode], name: str, surface: str, d: int, speed: Any, side: int, leads: str

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
-from lsvib.drives import thresholds
+from lsvib.drives import observables, thresholds
 from lsvib.drives.command import Command
 from lsvib.drives.drive import DRY, PARTS, Drive
 from lsvib.drives.friction import depends_on_speed
@@ -24,25 +24,6 @@ from lsvib.errors import InputError
 if TYPE_CHECKING:  # a scene can be read and refused without the engine
     from lsvib.systems.automaton import Automaton
 
-QUANTITIES = {  # long name, unit and symbol of what changes with time
-    "angle_deviation": ("deviation of the coupling deflection from steady sliding", "rad", "$u$"),
-    "velocity_deviation": ("rate of the deviation from steady sliding", "rad s-1", r"$\dot u$"),
-    "normal_force": ("normal force of the threads", "N", "$N$"),
-    "axial_contact_force": ("axial force that the threads carry", "N", "$n$"),
-    "coupling_torque": ("torque of the coupling", "N m", "$T_r$"),
-    "coupling_deflection": ("coupling deflection", "rad", "$z$"),
-    "commanded_speed": ("commanded angular speed", "rad s-1", r"$\Omega(t)$"),
-    "screw_speed": ("angular speed of the screw", "rad s-1", r"$\dot\theta$"),
-    "nut_speed": ("speed of the nut along the axis", "m s-1", r"$\dot x$"),
-    "motor_angle": ("angle of the motor from the commanded motion, less that of steady sliding", "rad", r"$\theta_m$"),
-    "motor_rate": ("angular speed of the motor less input_speed", "rad s-1", r"$\dot\theta_m$"),
-    "thread_mismatch": ("mismatch of nut and screw along the axis", "m", "$e$"),
-    "mismatch_rate": ("rate of the mismatch of nut and screw", "m s-1", r"$\dot e$"),
-    "screw_shift": ("axial shift of the screw from steady sliding", "m", "$y$"),
-    "shift_rate": ("rate of the axial shift of the screw", "m s-1", r"$\dot y$"),
-    "nut_angle": ("angle of the nut from steady sliding", "rad", r"$\varphi$"),
-    "nut_rate": ("angular speed of the nut", "rad s-1", r"$\dot\varphi$"),
-}
 _EQUATIONS = {"threads": "eqs 8.6, 8.7", "support": "eqs 8.23-8.32", "nut": "Sect. 5.8, eq. 8.33"}
 _CONSTRAINT = {
     (): "Γ₊ = I − ξ₊ tan λ m r_m² = 0 (eq. 8.20)",
@@ -81,8 +62,8 @@ class Model:
         dampers = (PARTS[part][-1] for part in parts)
         self.terms: tuple[str, ...] = ("support_damping", "translation_damping", "axial_force", *dampers, *dry)
         self.options = () if parts else ("rest",)
-        self.outputs: tuple[str, ...] = ("normal_force", "coupling_torque", "coupling_deflection", "screw_speed")
-        self.outputs += () if self.rigid else ("axial_contact_force", "nut_speed")
+        outputs = [name for name, one in observables.TABLE.items() if one.rigid or not self.rigid]
+        self.outputs = tuple(sorted(outputs, key=lambda name: not observables.TABLE[name].rigid))
         self.equations = ", ".join(_EQUATIONS[part] for part in parts if part in _EQUATIONS) or "eqs 8.13-8.17"
         general = "Γ₊ = I_eff − ξ₊ tan λ m_eff r_m² = 0 with the reduced inertia and mass (eqs 8.20, 8.28, 8.33)"
         self.constraint = _CONSTRAINT.get(parts, general)

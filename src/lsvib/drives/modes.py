@@ -41,6 +41,7 @@ from typing import Any
 
 import numpy as np
 
+from lsvib.drives import observables
 from lsvib.drives.mechanics import plus, rate_of
 from lsvib.drives.mechanism import Mechanism, Solution
 from lsvib.drives.names import DIRECTIONS, HOLDS, HOW, SIGNS, Event, Key, Resume, Ways, mode_name, mode_names
@@ -180,7 +181,7 @@ class Modes:
         keys = [*self.slips, *self.rests]
         guards = {key: self._slip_guards(key) if key[0] else self._rest_guards(key) for key in keys}
         modes = {self.name(key): self._mode(key, guards[key]) for key in keys}
-        observed = cache(lambda *known: self._observed(self._solve(*known)))
+        observed = cache(lambda *known: observables.rows(m, self._solve(*known)))
         seen = {self.name(key): observed(*self._known(key)) for key in keys}
         parts = self._parts(modes, seen)
         moving = [self.name(key) for key in (self.slips if self.planar else keys)]
@@ -195,7 +196,7 @@ class Modes:
             surfaces=self.surfaces,
             modes=modes,
             transitions=self.transitions,
-            observables={name: {mode: rows[name] for mode, rows in seen.items()} for name in seen[next(iter(seen))]},
+            observables={name: {mode: rows[name] for mode, rows in seen.items()} for name in observables.TABLE},
             parts=parts,
             shortest_stay=SHORT_STAY * np.minimum.reduce(np.broadcast_arrays(*scales)),
             events={int(event): event.name.lower() for event in Event},
@@ -225,12 +226,6 @@ class Modes:
     def _parts(self, modes: dict[str, Mode], seen: dict[str, dict[str, Row]]) -> dict[str, dict[str, Row]]:
         """Return the rows of the observables that count η times, by name and mode: none with constant friction."""
         return {}
-
-    def _observed(self, found: Solution) -> dict[str, Row]:
-        m = self.m
-        torque = m.coupling_torque(m.rates(True, ()))
-        loads = {"normal_force": found.normal, "axial_contact_force": found.contact, "coupling_torque": torque}
-        return {**loads, "coupling_deflection": m.deflection, "screw_speed": m.speed, "nut_speed": m.nut_speed}
 
     # What bounds a mode
 

@@ -1,0 +1,51 @@
+"""What is observed of a drive besides its coordinates, a row each: what it is called, and how it follows from a state.
+
+Scenes, datasets, cycles and automata read this table. An observable is an affine function of the state in each mode.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from lsvib.drives.mechanism import Mechanism, Solution
+from lsvib.drives.names import WORDS
+from lsvib.systems.exact.arithmetic import Row
+
+
+@dataclass(frozen=True)
+class Observable:
+    """A quantity: ``words`` are its long name, unit and symbol, ``row`` gives it in a mode of a mechanism.
+
+    ``rubbed``: whether friction of the threads changes it at a given state; under a friction law such a quantity has a
+    share that goes with the coefficient. ``rigid``: whether scenes of rigid drives may ask for it, too.
+    """
+
+    words: tuple[str, str, str]
+    row: Callable[[Mechanism, Solution], Row]
+    rubbed: bool = False
+    rigid: bool = True
+
+
+TABLE = {
+    "normal_force": Observable(("normal force of the threads", "N", "$N$"), lambda _, mode: mode.normal, rubbed=True),
+    "axial_contact_force": Observable(
+        ("axial force that the threads carry", "N", "$n$"), lambda _, mode: mode.contact, rubbed=True, rigid=False
+    ),
+    "coupling_torque": Observable(
+        ("torque of the coupling", "N m", "$T_r$"), lambda m, _: m.coupling_torque(m.rates(True, ()))
+    ),
+    "coupling_deflection": Observable(("coupling deflection", "rad", "$z$"), lambda m, _: m.deflection),
+    "screw_speed": Observable(("angular speed of the screw", "rad s-1", r"$\dot\theta$"), lambda m, _: m.speed),
+    "nut_speed": Observable(
+        ("speed of the nut along the axis", "m s-1", r"$\dot x$"), lambda m, _: m.nut_speed, rigid=False
+    ),
+}
+
+
+def rows(mechanism: Mechanism, mode: Solution) -> dict[str, Row]:
+    """Return the rows of all observables in a mode."""
+    return {name: one.row(mechanism, mode) for name, one in TABLE.items()}
+
+
+def words_of(name: str) -> tuple[str, str, str]:
+    """Return long name, unit and symbol of an observable or of a coordinate."""
+    return WORDS[name] if name in WORDS else TABLE[name].words
