@@ -15,6 +15,7 @@ from lsvib.answers import attributes as cf
 from lsvib.answers import phase_plane
 from lsvib.drives.drive import changed, parameters_of
 from lsvib.drives.model import automaton_of
+from lsvib.drives.observables import TABLE
 from lsvib.drives.scene import Scene, read_yaml
 from lsvib.dynamics.impulses import Impulses, event_impulses
 from lsvib.numbers import names_and_values
@@ -90,8 +91,9 @@ class Simulation:
         times, codes, seizures = np.linspace(0.0, scene.duration, scene.samples), motion.automaton.codes, self._seizures
         asked = scene.outputs if outputs is None else outputs
         found = phase_plane.observed(motion, *motion.at(times), definition.modes, asked)
-        for name in found.keys() & {"normal_force", "axial_contact_force"} if seizures else ():
-            found[name][1]["comment"] = cf.WITHOUT_IMPULSES
+        for name in asked if seizures else ():
+            if TABLE[name].rubbed:
+                found[name][1]["comment"] = cf.WITHOUT_IMPULSES
         if scene.command:
             found["commanded_speed"] = scene.command.at(times), cf.quantity("commanded_speed")
         data: cf.Variables = {name: ("time", *known) for name, known in found.items()}

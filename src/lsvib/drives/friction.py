@@ -28,7 +28,8 @@ NAMES = (  # of the parameters that make more of friction than one number
     "stribeck_exponent",
     "friction_slope",
 )
-OF_SPEED = ("stribeck_rise", "friction_slope")  # of these, each that is not zero makes friction depend on speed
+FADING = {"stribeck_rise": "stribeck_speed"}  # each rise towards slow sliding, and the speed over which it fades
+OF_SPEED = (*FADING, "friction_slope")  # each that is not zero makes friction depend on speed
 
 
 def depends_on_speed(d: Any) -> bool:
@@ -47,9 +48,14 @@ def refusal(d: Any, rest: bool = True, law: bool = False) -> str:
     if not law and depends_on_speed(d):
         return "holds for friction that does not depend on speed"
     static = d.static_friction_coefficient
-    if rest and sign(static) and sign(static - d.friction_coefficient - d.stribeck_rise):
+    if rest and sign(static) and sign(static - slowest(vars(d))):
         return "holds for static friction that is not above that of sliding"
     return ""
+
+
+def slowest(p: Mapping[str, Any]) -> Any:
+    """Return μ(0+), that of slow sliding [1], by parameters by name, of which those of the law may be missing."""
+    return sum((p[name] for name in FADING if name in p), p["friction_coefficient"])
 
 
 def steady_speed(d: Any) -> Any:
@@ -97,8 +103,7 @@ def levels(d: Any) -> dict[str, Any]:
     """Return what motion and rest begin with: ``steady_friction``, ``static_friction`` and ``collar``."""
     # the very parameters where friction does not depend on speed
     steady = coefficient(d, steady_speed(d)) if depends_on_speed(d) else d.friction_coefficient
-    static = d.friction_coefficient + d.stribeck_rise if sign(d.stribeck_rise) else d.friction_coefficient
-    static = d.static_friction_coefficient if sign(d.static_friction_coefficient) else static
+    static = d.static_friction_coefficient if sign(d.static_friction_coefficient) else slowest(vars(d))
     return {"steady_friction": steady, "static_friction": static, "collar": collar(d)}
 
 
@@ -110,20 +115,21 @@ def collar(d: Any) -> Any:
 
 def check(drive: Any, limit: float) -> None:
     """Raise ``InputError`` where the parameters of a drive make no friction law, or one beyond cot λ, ``limit``."""
-    slowest = drive.friction_coefficient + drive.stribeck_rise
+    slow = slowest(vars(drive))
     if drive.stribeck_exponent not in (1, 2):
         raise InputError(f"stribeck_exponent = {drive.stribeck_exponent:g} is neither 1 nor 2.")
-    if drive.stribeck_rise and not drive.stribeck_speed:
-        raise InputError(f"stribeck_rise = {drive.stribeck_rise:g} needs stribeck_speed > 0.")
-    if not slowest < limit:
+    for rise, speed in FADING.items():
+        if getattr(drive, rise) and not getattr(drive, speed):
+            raise InputError(f"{rise} = {getattr(drive, rise):g} needs {speed} > 0.")
+    if not slow < limit:
         raise InputError(
-            f"friction_coefficient + stribeck_rise = {slowest:g}, the friction of slow sliding, is not below "
+            f"{' + '.join(('friction_coefficient', *FADING))} = {slow:g}, the friction of slow sliding, is not below "
             f"cot(lead_angle) = {limit:.6g}."
         )
     static = drive.static_friction_coefficient
-    if static and not slowest <= static < limit:
+    if static and not slow <= static < limit:
         raise InputError(
-            f"static_friction_coefficient = {static:g} is outside the allowed range {slowest:g} (the friction of slow "
+            f"static_friction_coefficient = {static:g} is outside the allowed range {slow:g} (the friction of slow "
             f"sliding) <= static_friction_coefficient < cot(lead_angle) = {limit:.6g}."
         )
     speed = drive.pitch_radius * abs(drive.input_speed) / math.cos(drive.lead_angle)

@@ -45,7 +45,7 @@ from typing import Any
 
 import numpy as np
 
-from lsvib.drives import mechanics
+from lsvib.drives import friction, mechanics
 from lsvib.drives.drive import PARTS, Drive
 from lsvib.drives.mechanics import plus, solved, together
 from lsvib.drives.names import BODIES, CLOCK, COORDINATES, Ways, own_frictions, sides_of_rest
@@ -109,7 +109,8 @@ class Mechanism:
             self.commanded = (*(0 for _ in self.states[1:]), command[1], command[0])
         # rest then holds as much as slow sliding carries
         self.same = not any(map(sign, (d.static_friction_coefficient, *static.values())))
-        felt = d.friction_coefficient, d.static_friction_coefficient, d.stribeck_rise, d.friction_slope, d.collar
+        of_law = (getattr(d, name) for name in friction.OF_SPEED)
+        felt = d.friction_coefficient, d.static_friction_coefficient, *of_law, d.collar
         self.idle = not ({*parts} - {"motor"} or any(map(sign, (*felt, d.axial_force, self.limits.get("slide", 0)))))
         self.turning = sign(d.input_speed)
         xi = {s: self._factor(d.steady_friction, s) for s in (1, -1)}

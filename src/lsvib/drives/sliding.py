@@ -62,7 +62,8 @@ def speeds_below(drive: Any, level: float) -> list[tuple[float, float]]:
         return [(0.0, math.inf)]
     # So far out the rise has faded, and the slope alone has taken the coefficient over the level, or down to zero.
     slope = abs(drive.friction_slope)
-    far = 50 * drive.stribeck_speed + (2 * (drive.friction_coefficient + level) / slope if slope else 0.0)
+    fades = max(getattr(drive, speed) for speed in friction.FADING.values())
+    far = 50 * fades + (2 * (drive.friction_coefficient + level) / slope if slope else 0.0)
     turns = _passes(lambda v: unbounded(drive, v)[1], [0.0, *bends(friction.piece_of(drive)), far])
     marks = [0.0, *_passes(lambda v: _mu(drive, v) - level, [0.0, *turns, far]), math.inf]
     parts = [(a, b) for a, b in pairwise(marks) if a < b]

@@ -24,9 +24,7 @@ from lsvib.stability.solve import Equations, allowed, isolated_roots
 from lsvib.stability.spectrum import SAME, Polynomial, each_margin, margins
 from lsvib.systems.exact.arithmetic import many_digits
 
-NAMES = ("onset", "kinematic_constraint", "negative_damping", "flutter")
-"""Thresholds that are roots of these equations."""
-_OF_SPEED = ("pitch_radius", "lead_angle", "input_speed", "stribeck_speed")
+_OF_SPEED = ("pitch_radius", "lead_angle", "input_speed", *friction.FADING.values())
 """Parameters of the exponential of the friction law."""
 
 ParameterValues = Mapping[str, Any]
@@ -110,6 +108,23 @@ def _polynomial(values: ParameterValues, law: int, t: Any) -> Polynomial:
     return LinearParts.of(values, law, t).polynomial()
 
 
+def _damping(values: ParameterValues, t: Any, sense: int) -> Any:
+    return LinearParts.of(values, 1, t).level().polynomial()[1]
+
+
+def _inertia(values: ParameterValues, t: Any, sense: int) -> Any:
+    return LinearParts.of(values, 1, t).level().stiff().polynomial()[0]
+
+
+CONDITIONS: dict[str, Callable[[Drive], RootCondition]] = {
+    "kinematic_constraint": lambda drive: RootCondition(model_of(drive).constraint, _inertia),
+    "negative_damping": lambda _: RootCondition(_DAMPING, _damping),
+}
+"""Thresholds that are roots of one equation of a drive."""
+NAMES = ("onset", "flutter", *CONDITIONS)
+"""Thresholds that are roots: also of whichever number decides on stability, or on flutter."""
+
+
 def _friction(values: ParameterValues, t: Any, sense: int) -> Any:
     return friction.steady_sum(values, t)[0]
 
@@ -172,7 +187,7 @@ class Line:
         static = fmpq(*drive.static_friction_coefficient.as_integer_ratio())
         if self.unknown == "lead_angle":
             steepest = fmpq(10**17)  # more than tan λ of the largest double below π/2
-            slowest = sum(fmpq(*x.as_integer_ratio()) for x in (drive.friction_coefficient, drive.stribeck_rise))
+            slowest = friction.slowest({key: fmpq(*value.as_integer_ratio()) for key, value in drive})
             most = max(slowest, static)
             return min(1 / most, steepest) if most else steepest
         at_rest = {"slide_friction": drive.slide_static_friction, "bearing_friction": drive.bearing_static_friction}
@@ -181,9 +196,8 @@ class Line:
         if self.unknown not in ("friction_coefficient", "static_friction_coefficient", *friction.OF_SPEED):
             return fmpq(*float(bounds_of(Drive, self.unknown)["le"]).as_integer_ratio())
         place = self.at(fmpq_poly([0, 1]))
-        slowest = place[0]["friction_coefficient"] + place[0].get("stribeck_rise", 0)
         limits = [fmpq(10**6)]  # of the slope; more than cot λ of the least lead angle
-        for level, bound in ((one * slowest, static or cot), (one * _friction(*place), cot)):
+        for level, bound in ((one * friction.slowest(place[0]), static or cot), (one * _friction(*place), cot)):
             limits += [(bound - level[0]) / level[1]] if level[1] > 0 else []
         return min(limits)
 
@@ -342,9 +356,7 @@ def places(drive: Drive, name: str, unknown: str) -> list[Place] | None:
     if name == "flutter":
         wanted = {law: _margins(drive, law, neutral, False)[-1] for law in (1, -1)}
     else:
-        words, which = (_DAMPING, 1) if name == "negative_damping" else (model_of(drive).constraint, 0)
-        number = lambda values, t, sense: LinearParts.of(values, 1, t).level().stiff().polynomial()[which]  # noqa: E731
-        wanted = {0: RootCondition(words, number)}
+        wanted = {0: CONDITIONS[name](drive)}
     roots = [(line, law, c, line.roots_with_friction(c)) for line in lines for law, c in wanted.items()]
     if all(found is None for *_, found in roots):
         return None

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from flint import arb, arb_mat, arb_poly, arb_series, fmpq
 
+from lsvib.drives import friction
 from lsvib.drives.complaints import bounds_of
 from lsvib.drives.drive import PART_OF, PARTS, Drive, zero_if_close
 from lsvib.errors import EngineError, InputError, NoThreshold
@@ -309,9 +310,9 @@ def _natural(drive: Drive, unknown: str) -> float:
         "translation_damping": drive.screw_inertia * rate / lever / lever,
         "axial_force": drive.mass * lever * rate * abs(drive.input_speed),
         "friction_coefficient": math.tan(drive.lead_angle),
-        "static_friction_coefficient": drive.friction_coefficient + drive.stribeck_rise,
-        "stribeck_rise": drive.friction_coefficient,
-        "stribeck_speed": drive.pitch_radius * abs(drive.input_speed),
+        "static_friction_coefficient": friction.slowest(vars(drive)),
+        **dict.fromkeys(friction.FADING, drive.friction_coefficient),
+        **dict.fromkeys(friction.FADING.values(), drive.pitch_radius * abs(drive.input_speed)),
         "friction_slope": drive.friction_coefficient / (drive.pitch_radius * abs(drive.input_speed)),
         "slide_friction": drive.slide_static_friction or force,
         "slide_static_friction": drive.slide_friction or force,

@@ -83,8 +83,8 @@ def _solve(drive: Drive, name: str, unknown: str, even: Solver | None) -> Thresh
     require_direction(drive)
     if unknown == "stribeck_exponent":
         raise NoThreshold("stribeck_exponent is either 1 or 2, so no threshold is solved for it.")
-    if unknown == "stribeck_rise" and not drive.stribeck_speed:
-        raise NoThreshold("no threshold is solved for stribeck_rise without stribeck_speed > 0.")
+    if unknown in friction.FADING and not getattr(drive, friction.FADING[unknown]):
+        raise NoThreshold(f"no threshold is solved for {unknown} without {friction.FADING[unknown]} > 0.")
     if name == "even_speed" and even:
         return even(drive, unknown)
     if name in boundaries.NAMES:
