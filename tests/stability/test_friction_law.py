@@ -171,6 +171,11 @@ def test_speeds_at_which_nothing_is_left_of_a_rise():
     assert stability(drive.replace(support_damping=1e-30)).kind.startswith("stable")
 
 
+def test_a_rise_that_is_solved_for_fades_also_where_the_drive_has_none():
+    drive = Drive(support_damping=1e-3, axial_force=30, stribeck_speed=0.15)
+    assert len({drive.replace(stribeck_rise=x).threshold("onset", "stribeck_rise").value for x in (0.0, 0.01)}) == 1
+
+
 def test_static_friction_above_sliding_keeps_what_is_not_about_rest():
     drive = Drive(translation_damping=1000, axial_force=35)
     rough = drive.replace(static_friction_coefficient=0.3)

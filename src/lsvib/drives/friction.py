@@ -70,16 +70,19 @@ def piece_of(d: Any) -> list[Any]:
     return [0, math.inf, d.friction_coefficient, d.friction_slope, d.stribeck_rise, fade, power]
 
 
-def decay(d: Any, speed: Any) -> Any:
-    """Return the share of the rise that is left at a sliding speed [m/s], the exponential above [1]."""
-    return exponential(-law.exponent(piece_of(d), speed / _scale(d)))
+def decays(d: Any, speed: Any) -> dict[str, Any]:
+    """Return the share of each rise that is left at a sliding speed [m/s], the exponential above [1], as ``decay…``."""
+    if _zero(d.stribeck_speed):
+        return {}
+    return {"decay": exponential(-law.exponent(piece_of(d), speed / _scale(d)))}
 
 
 def unbounded(d: Any, speed: Any) -> tuple[Any, Any]:
     """Return the sum above at a sliding speed [m/s], which may be negative [1], and its derivative [s/m]."""
     if _zero(d.stribeck_rise):
         return law.value(piece_of(d), speed, 0, 0)[:2]
-    return law.value(piece_of(d), speed, speed / _scale(d), d.decay if hasattr(d, "decay") else decay(d, speed))[:2]
+    left = d.decay if hasattr(d, "decay") else decays(d, speed)["decay"]
+    return law.value(piece_of(d), speed, speed / _scale(d), left)[:2]
 
 
 def _scale(d: Any) -> Any:
@@ -150,7 +153,7 @@ def steady_sum(p: Mapping[str, Any], t: Any) -> tuple[Any, Any]:
 
     Arguments: parameters by name, of which those of the law may be missing; tan λ. All are numbers of one kind: arrays,
     balls, power series, rationals, or polynomials in an unknown. The last two come with what is no rational:
-    ``secant``, 1 / cos λ, and ``decay``, the exponential of the law.
+    ``secant``, 1 / cos λ, and those of :func:`decays`.
     """
     if not moves(p):
         return p["friction_coefficient"], 0

@@ -167,8 +167,8 @@ class Line:
         self.tangent: Any = self.fixed["lead_angle"].tan()
         if not self.searched:
             self.fixed, self.tangent = spectrum.enclosed(drive)[0]
-            if self.fixed["decay"] < spectrum.LEAST:  # which would only part double roots by as little
-                self.fixed["decay"] = fmpq(0)
+            little = [name for name, x in self.fixed.items() if name.startswith("decay") and x < spectrum.LEAST]
+            self.fixed |= dict.fromkeys(little, fmpq(0))  # which would only part double roots by as little
         self.neutral = spectrum.undamped(drive, unknown)
         self.sense = side if unknown == "input_speed" else 1 if drive.input_speed > 0 else -1
         self.sloped = friction.depends_on_speed(drive) or unknown in friction.OF_SPEED

@@ -171,18 +171,17 @@ def _beside(number: arb, digits: int) -> tuple[fmpq, ...]:
 def enclosed(drive: Drive, digits: int = 100) -> tuple[tuple[dict[str, fmpq], fmpq], ...]:
     """Return the parameters as rationals and tan λ, twice: all that is no rational just below and above its value.
 
-    That is tan λ, and ``secant`` and ``decay`` of :func:`lsvib.drives.friction.steady_sum` beside the parameters.
+    That is tan λ, and ``secant`` and what :func:`lsvib.drives.friction.decays` gives beside the parameters.
     """
     values = {key: fmpq(*value.as_integer_ratio()) for key, value in drive}
     with ctx.workdps(digits + 10):
         sine, cosine = arb(drive.lead_angle).sin_cos()
-        secant, left = 1 / cosine, arb(1)
-        if drive.stribeck_rise:
-            left = friction.decay(drive.exact(), arb(drive.pitch_radius) * abs(arb(drive.input_speed)) * secant)
+        secant = 1 / cosine
+        left = friction.decays(drive.exact(), arb(drive.pitch_radius) * abs(arb(drive.input_speed)) * secant)
         # What is left of a rise may have no end of digits; so little of it counts only where nothing else does.
-        decays = _beside(left, digits) if left > LEAST else (LEAST**3, LEAST)
-        ends = zip(_beside(secant, digits), decays, _beside(sine * secant, digits), strict=True)
-        return tuple(({**values, "secant": secant, "decay": decay}, t) for secant, decay, t in ends)
+        ends = {name: _beside(x, digits) if x > LEAST else (LEAST**3, LEAST) for name, x in left.items()}
+        ends["secant"], tangents = _beside(secant, digits), _beside(sine * secant, digits)
+        return tuple(({**values, **{name: end[k] for name, end in ends.items()}}, tangents[k]) for k in (0, 1))
 
 
 def spectrum(drive: Drive, law: int) -> tuple[str, list[complex], Polynomial]:
