@@ -14,7 +14,7 @@ from references.sizes import sizes
 import lsvib
 from lsvib.answers.io import read_dataset
 from lsvib.errors import InputError
-from lsvib.sheets.fit_output import as_json, blocks, sentences
+from lsvib.sheets.fit_output import as_json, blocks, flank_law, sentences
 from lsvib.sheets.fit_sheet import fit_sheet
 from lsvib.sheets.output import assess_file
 from lsvib.sheets.quantities import square_coefficient
@@ -248,7 +248,7 @@ def test_a_breakaway_gives_the_static_coefficient(tmp_path):
     found = fit_sheet(path)
     static, error = found.fit.main.static["static_friction_coefficient"]
     assert static == pytest.approx(0.25 * square(), rel=0.02)
-    assert found.flank_law(found.fit.main)["static"]["mean"] == pytest.approx(0.25, rel=0.02)
+    assert flank_law(found, found.fit.main)["static"]["mean"] == pytest.approx(0.25, rel=0.02)
     assert 0 < error < 0.02
     assert any("upper bound" in text for text in sentences(found))
     # A torque that no friction explains, such as a glitch of the sensor, is left out.

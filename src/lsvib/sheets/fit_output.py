@@ -1,7 +1,9 @@
 """Fit one sheet; say what was found in plain words and as JSON, and write dataset and picture: all of them or none."""
 
 import json
+import math
 import re
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -12,10 +14,12 @@ from lsvib.answers.io import write_dataset
 from lsvib.files import check_outputs, replacing, write_json, write_text
 from lsvib.pictures import style
 from lsvib.pictures.torque import residual_panel, torque_panel
-from lsvib.sheets.fit_sheet import FittedSheet, above, fit_sheet, spread
+from lsvib.sheets.fit_sheet import OF_FLANKS, FittedSheet, fit_sheet
+from lsvib.sheets.quantities import flank_coefficient
 from lsvib.sheets.torque.dataset import fit_variables
 from lsvib.sheets.torque.law import BREAKAWAY, LARGEST_STATIC, PARAMETERS, Solution, load_of_directions
 from lsvib.sheets.torque.records import Record
+from lsvib.sheets.torque.starts import Number
 from lsvib.sheets.torque.stick_slip import StickSlip
 from lsvib.sheets.words import environment
 
@@ -32,6 +36,7 @@ _AT_REST = {  # ends of static friction alone
 _IN_BEARING = {BREAKAWAY[1]: "static"}  # what is called otherwise in the block `bearing`
 POOR = 0.1  # of the typical torque: residuals beyond are no good fit
 NONE = 0.3  # of the typical torque: a law that leaves more rms is none to copy
+DRAWN = 4.1  # standard deviations, within which a data sheet draws, with some room
 
 
 def fit_file(path: Path, out: Path | None = None) -> dict[str, Any]:
@@ -116,13 +121,61 @@ def _end(found: FittedSheet, end: Solution) -> dict[str, Any]:
         "friction": end.drive(),
         "bearing": {name: end.values[name] for name in ("coulomb", "viscous")} | static,
         "offset": end.values["offset"],
-        "sheet": found.flank_law(end),
+        "sheet": flank_law(found, end),
         "standard_errors": end.errors | of_static,
         "correlation": {"of": list(end.free), "matrix": end.correlation.tolist()},
         "rms": end.rms,
         "largest_residual": float(np.abs(end.residual).max()),
         "loads_of_directions": _loads(found, end),
     }
+
+
+def flank_law(found: FittedSheet, solution: Solution) -> dict[str, Any]:
+    """Return a friction law as the block ``friction`` of a data sheet, with coefficients of the flanks."""
+    law, angle = solution.drive(), found.fit.measured.lead_angle
+    to_flank = float(flank_coefficient(1.0, angle, found.half_angle))
+    known = {name: (value, solution.errors.get(name, 0.0)) for name, value in law.items()} | solution.static
+    share = above(known, "friction_coefficient", "stribeck_rise", BREAKAWAY[0])
+    entries: dict[str, Any] = {
+        entry: spread(known[name], share(name), to_flank, "s/m" if entry == "slope" else "")
+        for entry, name in OF_FLANKS.items()
+        if name in law
+    }
+    if "stribeck_rise" in entries:
+        entries["stribeck_speed"] = spread(known["stribeck_speed"], unit="m/s")
+        entries["stribeck_exponent"] = int(law["stribeck_exponent"])
+    return entries
+
+
+def above(known: Mapping[str, Number], *names: str) -> Callable[[str], float]:
+    """Return the shares of standard errors with which the last is above the sum of the others in each drive drawn.
+
+    A data sheet wants static friction so. The errors by themselves are larger than those of the sum, in which errors of
+    the parts of a law cancel. Either side may use half of what is between.
+    """
+    *sliding, (static, error) = (known.get(name, (0.0, 0.0)) for name in names)
+    room = 0.5 * (static - sum(value for value, _ in sliding)) / DRAWN if static else math.inf
+    both = {name: sum(each for _, each in sliding) for name in names[:-1]} | {names[-1]: error}
+    return lambda name: min(1.0, room / both[name]) if both.get(name) else 1.0
+
+
+def spread(known: Number, share: float = 1.0, scale: float = 1.0, unit: str = "") -> Any:
+    """Return a number with its standard error, times ``share``, as an entry of a data sheet.
+
+    A range of that standard deviation, but above zero, where a normal distribution would reach beyond.
+    """
+    value, error = known[0] * scale, known[1] * scale * share
+    wide = min(math.sqrt(3) * error, 0.99 * value)
+
+    def entry(number: float, figures: str = ".6g") -> Any:
+        """A number with its unit."""
+        return f"{number:{figures}} {unit}" if unit else float(f"{number:{figures}}")
+
+    if not error > 0 or (unit != "s/m" and not value):
+        return entry(value)
+    if unit != "s/m" and DRAWN * error > value:
+        return [entry(value - wide), entry(value + wide)]
+    return {"mean": entry(value), "std": entry(error, ".2g")}
 
 
 def _loads(found: FittedSheet, end: Solution) -> list[float] | None:
@@ -159,16 +212,16 @@ def sentences(found: FittedSheet) -> list[str]:
 
 
 def _rendered(template: str, **values: Any) -> str:
-    templates = environment(Path(__file__).parent)
-    constants = {
-        "POOR": POOR,
-        "NONE": NONE,
-        "ENDS": _AT_REST if [tuple(pair) for pair in values["not_separable"]] == [BREAKAWAY] else _ENDS,
-        "PARAMETERS": PARAMETERS | {"static": ("N m",)},
-        "LARGEST_STATIC": LARGEST_STATIC,
-    }
-    templates.globals |= constants | {"rpm": lambda speed: speed * 30 / np.pi}
-    return templates.get_template(template).render(**values)
+    found = environment().get_template(template)
+    return found.render(
+        **values,
+        POOR=POOR,
+        NONE=NONE,
+        ENDS=_AT_REST if [tuple(pair) for pair in values["not_separable"]] == [BREAKAWAY] else _ENDS,
+        PARAMETERS=PARAMETERS | {"static": ("N m",)},
+        LARGEST_STATIC=LARGEST_STATIC,
+        rpm=lambda speed: speed * 30 / np.pi,
+    )
 
 
 def blocks(result: dict[str, Any]) -> str:

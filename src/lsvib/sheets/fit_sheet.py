@@ -17,19 +17,17 @@ from lsvib.drives.scene import read_yaml
 from lsvib.errors import InputError
 from lsvib.numbers import number, shown, whole
 from lsvib.sheets import fields
-from lsvib.sheets import sheet as data_sheet
 from lsvib.sheets.fields import NotQuantity, Spread
-from lsvib.sheets.quantities import GRAVITY, flank_coefficient, square_coefficient, thread_geometry
-from lsvib.sheets.sheet import Part, Thread
-from lsvib.sheets.torque.law import BREAKAWAY, Array, Fit, Measured, Solution, fitted, steady_torque
+from lsvib.sheets.quantities import GRAVITY, square_coefficient, thread_geometry
+from lsvib.sheets.sheet import Load, Part, Thread
+from lsvib.sheets.torque.law import Fit, Measured, Solution, fitted, steady_torque
 from lsvib.sheets.torque.records import Record, look
-from lsvib.sheets.torque.starts import Number
+from lsvib.sheets.torque.starts import Array, Number
 from lsvib.sheets.torque.stick_slip import StickSlip, breaking, combined, explained
 from lsvib.sheets.torque.tables import REST, Point, read_table, refuse_record, row_points, steady_point
 
 MOST_FILES = 1000  # of one sheet, and of points some million
 LEAST_LOAD = 1e-6  # N
-DRAWN = 4.1  # standard deviations, within which a data sheet draws, with some room
 OF_FLANKS = {  # entries of `friction`, coefficients of a flank, and the parameters that they are of the square thread
     "coefficient": "friction_coefficient",
     "stribeck_rise": "stribeck_rise",
@@ -94,15 +92,6 @@ class TimeColumn(Column):
     """Time of the samples."""
 
     unit: Annotated[_Unit, BeforeValidator(lambda value: _unit(value, "s"))]
-
-
-class Load(data_sheet.Load):
-    """What pulls along the axis: a force against outward travel, and the weight of a mass on an axis that is tilted."""
-
-    def axial(self) -> float:
-        """Return the axial load against outward travel [N]."""
-        force, mass, tilt = (entry.nominal if entry else 0.0 for entry in (self.force, self.mass, self.orientation))
-        return float(force + mass * GRAVITY * math.sin(tilt))
 
 
 class Measurements(Part):
@@ -211,11 +200,6 @@ class Table:
     said: list[str]
     look: Callable[..., Record] | None = None
 
-    @property
-    def told_even(self) -> bool:
-        """Whether a record is known to be without jerks."""
-        return bool(self.points) and self.record is not None and self.record.kind == "even"
-
 
 @dataclass(frozen=True)
 class FittedSheet:
@@ -244,53 +228,6 @@ class FittedSheet:
         found = [(one.damping[0] - one.by_periods, one.up_to) for one in self.jerks.values()
                  if one.damping and one.by_periods and one.up_to]  # fmt: skip
         return min(up_to for _, up_to in found) if found and all(short > 0 for short, _ in found) else None
-
-    def flank_law(self, solution: Solution) -> dict[str, Any]:
-        """Return a friction law as the block ``friction`` of a data sheet, with coefficients of the flanks."""
-        law, angle = solution.drive(), self.fit.measured.lead_angle
-        to_flank = float(flank_coefficient(1.0, angle, self.half_angle))
-        known = {name: (value, solution.errors.get(name, 0.0)) for name, value in law.items()} | solution.static
-        share = above(known, "friction_coefficient", "stribeck_rise", BREAKAWAY[0])
-        found: dict[str, Any] = {
-            entry: spread(known[name], share(name), to_flank, "s/m" if entry == "slope" else "")
-            for entry, name in OF_FLANKS.items()
-            if name in law
-        }
-        if "stribeck_rise" in found:
-            found["stribeck_speed"] = spread(known["stribeck_speed"], unit="m/s")
-            found["stribeck_exponent"] = int(law["stribeck_exponent"])
-        return found
-
-
-def above(known: Mapping[str, Number], *names: str) -> Callable[[str], float]:
-    """Return the shares of standard errors with which the last is above the sum of the others in each drive drawn.
-
-    A data sheet wants static friction so. The errors by themselves are larger than those of the sum, in which errors of
-    the parts of a law cancel. Either side may use half of what is between.
-    """
-    *sliding, (static, error) = (known.get(name, (0.0, 0.0)) for name in names)
-    room = 0.5 * (static - sum(value for value, _ in sliding)) / DRAWN if static else math.inf
-    both = {name: sum(each for _, each in sliding) for name in names[:-1]} | {names[-1]: error}
-    return lambda name: min(1.0, room / both[name]) if both.get(name) else 1.0
-
-
-def spread(known: Number, share: float = 1.0, scale: float = 1.0, unit: str = "") -> Any:
-    """Return a number with its standard error, times ``share``, as an entry of a data sheet.
-
-    A range of that standard deviation, but above zero, where a normal distribution would reach beyond.
-    """
-    value, error = known[0] * scale, known[1] * scale * share
-    wide = min(math.sqrt(3) * error, 0.99 * value)
-
-    def entry(number: float, figures: str = ".6g") -> Any:
-        """A number with its unit."""
-        return f"{number:{figures}} {unit}" if unit else float(f"{number:{figures}}")
-
-    if not error > 0 or (unit != "s/m" and not value):
-        return entry(value)
-    if unit != "s/m" and DRAWN * error > value:
-        return [entry(value - wide), entry(value + wide)]
-    return {"mean": entry(value), "std": entry(error, ".2g")}
 
 
 def fit_sheet(path: Path) -> FittedSheet:
@@ -323,7 +260,8 @@ def fit_sheet(path: Path) -> FittedSheet:
         speed, torque, load, 0.5 * diameter, angle, np.array([*held, *torn]).reshape(-1, 3), *nut, loose
     )
     fit = fitted(measured, _known(sheet, draw, angle, half_angle))
-    even = [((table.points[0].speed, table.load, table.mass), table.blur) for table in tables if table.told_even]
+    even = [((table.points[0].speed, table.load, table.mass), table.blur) for table in tables
+            if table.points and table.record and table.record.kind == "even"]  # fmt: skip
     records = {(table.speed, table.load, table.mass): record for table, record in jerks}
     tables = [_started(table, measured, fit.main) for table in tables]
     turning = [table.record.inertia for table in tables if table.record and table.record.inertia]
@@ -378,7 +316,9 @@ def _tables(sheet: MeasuredSheet, folder: Path, lead: float) -> Iterator[Table]:
         place = f"measurements.{k}" if len(sheet.measurements) > 1 else "measurements"
         if (load := block.load or sheet.load) is None:
             raise InputError(f"load is missing, and so is {place}.load.")
-        if max(abs(load.axial()), sheet.nut.preload.nominal if sheet.nut else 0.0) < LEAST_LOAD:
+        force, mass, tilt = (entry.nominal if entry else 0.0 for entry in (load.force, load.mass, load.orientation))
+        under = float(force + mass * GRAVITY * math.sin(tilt)), mass  # against outward travel
+        if max(abs(under[0]), sheet.nut.preload.nominal if sheet.nut else 0.0) < LEAST_LOAD:
             name = f"{place}.load" if block.load else "load"
             raise InputError(
                 f"{name} makes no axial force of at least {LEAST_LOAD:g} N: give its force, or a mass with an "
@@ -392,12 +332,11 @@ def _tables(sheet: MeasuredSheet, folder: Path, lead: float) -> Iterator[Table]:
             raise InputError(f"{place}.point: row makes each row a point, and a time of samples the file a record.")
         files = _files(f"{place}.files", block.files, folder)
         for file in files:
-            yield _table(file, block, load, lead, len(files) == 1)
+            yield _table(file, block, under, lead, len(files) == 1)
 
 
-def _table(path: Path, block: Measurements, load: Load, lead: float, alone: bool) -> Table:
-    """Read one table, ``alone`` in its block, as points or as a record over time."""
-    under = load.axial(), load.mass.nominal if load.mass else 0.0
+def _table(path: Path, block: Measurements, under: tuple[float, float], lead: float, alone: bool) -> Table:
+    """Read one table, ``alone`` in its block, as points or as a record; ``under``: which load [N], and mass [kg]."""
     columns: list[Any] = [block.speed, block.torque, *([block.time] if block.time else [])]
     factors = [column.factor * column.unit[0] for column in columns]
     factors[0] *= 2 * math.pi / lead if block.speed.unit[1] == "m/s" else 1.0  # from the load's speed to the screw's

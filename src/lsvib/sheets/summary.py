@@ -2,7 +2,6 @@
 
 import math
 from functools import cache
-from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -25,7 +24,7 @@ POOR = 0.1  # of a coefficient: a law that is further off says something else th
 
 def templates(html: bool) -> Environment:
     """Return what renders the templates, with the words that they use."""
-    found = words.environment(Path(__file__).parent, html)
+    found = words.environment(html)
     found.globals |= vars(words) | {"EFFORTS": EFFORTS, "BEYOND": BEYOND, "POOR": POOR, "drops": drops, "inf": math.inf}
     return found
 

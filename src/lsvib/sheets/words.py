@@ -39,10 +39,10 @@ ABOUT: dict[str, dict[str, str]] = _WORDS["statics"]
 """``name``, ``unit``, ``formula`` and ``source`` of each row of statics."""
 
 
-def environment(folder: Path, html: bool = False) -> Environment:
-    """Return what renders the templates of a folder, of which pages escape their texts."""
+def environment(html: bool = False) -> Environment:
+    """Return what renders the templates beside this file, of which pages escape their texts."""
     found = Environment(
-        loader=FileSystemLoader(folder),
+        loader=FileSystemLoader(Path(__file__).parent),
         autoescape=html,
         undefined=StrictUndefined,
         trim_blocks=True,

@@ -27,14 +27,12 @@ from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lsvib.drives import friction
 from lsvib.drives.mechanics import friction_factor, holding_coefficient, relieved_half, thread_force
 from lsvib.errors import InputError
-from lsvib.sheets.torque.starts import Number
+from lsvib.sheets.torque.starts import Array, Number
 
-Array = NDArray[np.float64]
 PARAMETERS = {  # unit and words, those of the law as parameters of a drive have them
     "friction_coefficient": ("1", "friction coefficient of the threads"),
     "stribeck_rise": ("1", "rise of friction towards slow sliding"),
@@ -509,12 +507,10 @@ def halves(measured: Measured) -> Array:
     (and T₀).
     """
     rows = []
-    order = np.lexsort((np.abs(measured.speed), measured.load))
-    back = [k for k in order if measured.speed[k] < 0]
-    for k in (k for k in order if measured.speed[k] > 0):
-        near = [j for j in back if measured.load[j] == measured.load[k]
-                and abs(measured.speed[j] + measured.speed[k]) <= SAME_SPEED * measured.speed[k]]  # fmt: skip
-        if near:
-            forth, other = measured.torque[k], -measured.torque[near].mean()
-            rows.append((measured.speed[k], 0.5 * (forth + other), 0.5 * (forth - other)))
+    for k in np.lexsort((np.abs(measured.speed), measured.load)):
+        speed, alike = measured.speed[k], measured.load == measured.load[k]
+        near = alike & (measured.speed < 0) & (np.abs(measured.speed + speed) <= SAME_SPEED * speed)
+        if near.any():
+            forth, back = measured.torque[k], -measured.torque[near].mean()
+            rows.append((speed, 0.5 * (forth + back), 0.5 * (forth - back)))
     return np.array(rows).reshape(-1, 3)

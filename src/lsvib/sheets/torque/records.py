@@ -132,11 +132,9 @@ def look(
         teeth, problem = _told(speed, torque, stops)
     if not stops and problem:
         return Record(name, "even", (f"{name}: the screw turns evenly.",))
-    if not stops:
+    if problem or not stops:
         said = "the torque climbs slowly and falls fast as of jerks, while the recorded speed does not stop"
-        return Record(name, "jerks", (f"{name}: {said}; no numbers are told.",))
-    if problem:
-        said = f"the recorded speed is often far below its mean, as of jerks, but {problem}"
+        said = f"the recorded speed is often far below its mean, as of jerks, but {problem}" if stops else said
         return Record(name, "jerks", (f"{name}: {said}; no numbers are told.",))
     return _numbers(name, speed, torque, teeth, step, averaging)
 
