@@ -139,8 +139,7 @@ def labels(drive: Drive, window: Window, cells: tuple[int, int]) -> np.ndarray:
     u, w = Axis("u", *window[:2], cells[0]), Axis("w", *window[2:], cells[1])
     made, turn = _mapper(drive)
     with turn:
-        found: np.ndarray = made.cells(Grid(u, w), quantities=("label",))["label"]
-    return found
+        return np.asarray(made.cells(Grid(u, w), quantities=("label",))["label"])
 
 
 def rgba(found: np.ndarray) -> np.ndarray:

@@ -124,8 +124,7 @@ class Draw:
     @property
     def friction_law(self) -> dict[str, Any]:
         """The friction law of the square thread (:mod:`lsvib.drives.friction`), as parameters of a drive."""
-        flanks = {key: self.values.get(key, 0.0) for key in FRICTION}
-        law = {key: self.square(value) for key, value in flanks.items()}
+        law = {key: self.square(self.values.get(key, 0.0)) for key in FRICTION}
         fading = {"stribeck_speed": self.values.get("stribeck_speed", 0.0)}
         return law | fading | {"stribeck_exponent": self.sheet.friction.stribeck_exponent}
 
@@ -222,9 +221,9 @@ class Operation:
         parts = () if stiff else self.draw.sheet.parts
         try:
             drive = self.rigid if stiff else self.drive
+            return vibration.vibration(drive, perturbation, parts, self.draw.sheet.friction.law)
         except (InputError, EngineError) as error:
             return vibration.Vibration(parts, "unknown", reason=str(error))
-        return vibration.vibration(drive, perturbation, parts, self.draw.sheet.friction.law)
 
     @cached_property
     def after_knock(self) -> str:

@@ -15,13 +15,7 @@ Values = Mapping[str, Any]  # entries of a sheet or quantities of a drive by nam
 
 FRICTION = ("friction_coefficient", "static_friction_coefficient", "stribeck_rise", "friction_slope")  # of the flanks
 
-# Entries that are quantities as they are: zero where the sheet does not give them, or absent.
-_ZERO = {
-    "translation_damping": "damping.translational",
-    "mass": "load.mass",
-    "tilt": "load.orientation",
-}
-_ABSENT = {
+_ABSENT = {  # entries that are quantities as they are, absent where the sheet does not give them
     "bearing_friction": "bearing.torque",
     "bearing_static_friction": "bearing.static",
     "collar_friction": "bearing.collar.coefficient",
@@ -61,8 +55,10 @@ def quantities(sheet: Sheet, entries: Values) -> dict[str, Any]:
         "screw_inertia": inertia + entries.get("coupling.inertia", 0.0),
         "coupling_stiffness": entries.get("coupling.stiffness", 0.0) * gear,
         "support_damping": entries.get("damping.rotational", 0.0) + entries.get("bearing.viscous", 0.0),
+        "translation_damping": entries.get("damping.translational", 0.0),
+        "mass": entries.get("load.mass", 0.0),
+        "tilt": entries.get("load.orientation", 0.0),
     }
-    found |= {key: entries.get(path, 0.0) for key, path in _ZERO.items()}
     undamped = {f"{part}.damping": 0.0 for part in ("contact", "support") if f"{part}.stiffness" in entries}
     given = {**undamped, **entries}
     found |= {key: given[path] for key, path in _ABSENT.items() if path in given}

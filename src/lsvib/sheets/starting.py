@@ -142,8 +142,7 @@ def _cause(there: Operation, starts: Starts) -> str:
 def speeds(draw: Draw) -> list[float]:
     """The speeds of the screw [rad/s] at which a drive is started: the ends and the middle of its window."""
     low, high = draw.values["speed_low"], draw.values["speed_high"]
-    found: list[float] = np.unique([low, math.sqrt(low * high), high]).tolist()
-    return found
+    return [*map(float, np.unique([low, math.sqrt(low * high), high]))]
 
 
 def places(draw: Draw) -> list[Place]:

@@ -219,7 +219,8 @@ def _judged(draw: Draw, speed: Floats, held: Floats, load: Floats) -> dict[str, 
             "lower friction or the lead of the thread."
         )
     found: dict[str, Judged] = {}
-    at_rest = _at_rest(draw)
+    slow = flank_coefficient(draw.at(1, 0.0, 0.0).friction[0], angle, values["half_angle"])
+    at_rest = values.get("static_friction_coefficient", slow)
     bearing, guide = (values.get(key, 0.0) for key in ("bearing_friction", "slide_friction"))
     still, standing = values.get("bearing_static_friction", bearing), values.get("slide_static_friction", guide)
     rest, motion = (draw.square(at_rest), collar, still), (coefficient, collar, bearing)
@@ -272,13 +273,6 @@ def _holds_from(draw: Draw, bearing: Any, left: Any, relieved: Any = 0.0) -> Any
         root = holding_coefficient(-helps, left, relieved, tangent, 1)
     needed = np.where(left > 0, root, 0.0)  # nothing, where the guide holds all of it
     return flank_coefficient(np.clip(needed, 0.0, None), draw.lead_angle, draw.values["half_angle"])
-
-
-def _at_rest(draw: Draw) -> Any:
-    """Friction of the flanks at rest [1]: static friction, or else that of slow sliding."""
-    if "static_friction_coefficient" in draw.values:
-        return draw.values["static_friction_coefficient"]
-    return flank_coefficient(draw.at(1, 0.0, 0.0).friction[0], draw.lead_angle, draw.values["half_angle"])
 
 
 def _nut(draw: Draw, force: Floats, sliding: Any) -> dict[str, Judged]:

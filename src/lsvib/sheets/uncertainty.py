@@ -16,12 +16,13 @@ from lsvib.sheets.operation import Draw
 from lsvib.sheets.sheet import Sheet
 from lsvib.sheets.window import OperatingWindow, count_of, worst
 
-BLOCK = 2**12  # samples whose quantities are in memory at once
+MOST = 2**12  # of corners, and of drives for an index of Sobol
 MOST_RESERVES = 2**20  # of Sobol indices, about a second
 ASKED = 128  # drives whose basins are asked, some 5 ms a corner of the window,
 ASKED_CORNERS = 512  # of all of them
+Array = NDArray[np.float64]
 # Lowest reserve [1] of a mechanism within the uncertainties, and the place (d) of the unit cube that has it.
-WorstCase = tuple[float, NDArray[np.float64]]
+WorstCase = tuple[float, Array]
 
 
 @dataclass(frozen=True)
@@ -43,17 +44,17 @@ class Uncertainty:
     """
 
     samples: int
-    points: NDArray[np.float64]
+    points: Array
     probability: dict[str, Probability]
     any: Probability
     sobol: dict[str, dict[str, float]]
-    lowest: dict[str, NDArray[np.float64]]
-    upset: NDArray[np.float64] | None
+    lowest: dict[str, Array]
+    upset: Array | None
     holds: Probability
     lifting: tuple[float, float]
 
 
-def evaluated(sheet: Sheet, shares: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
+def evaluated(sheet: Sheet, shares: Array) -> dict[str, Array]:
     """Return the lowest reserve (n) [1] of each mechanism over the window for points (d, n) of the unit cube.
 
     Raises ``InputError`` if the friction of one of them is so strong that the drive cannot move at all.
@@ -77,21 +78,19 @@ def study(sheet: Sheet, samples: int, seed: int) -> Uncertainty:
     entries, points = sheet.random, np.zeros((0, 1))
     if entries:
         points = qmc.Sobol(len(entries), scramble=True, rng=seed).random(samples).T
-    blocks = [evaluated(sheet, part) for part in np.split(points, range(BLOCK, points.shape[1], BLOCK), axis=1)]
-    found = {name: np.concatenate([block[name] for block in blocks]) for name in blocks[0]}
+    found = evaluated(sheet, points)
     varied = [name for name, reserve in found.items() if name != "after_perturbation" and np.ptp(reserve) > 0]
     pair = Draw.of(sheet, points).efficiencies
     lifting, lowering = (np.broadcast_to(one, points.shape[1:]) for one in pair)
     unstable = np.any([reserve < 0 for name, reserve in found.items() if name != "after_perturbation"], axis=0)
     chances = {name: _probability(reserve < 0) for name, reserve in found.items()}
-    one = "after_perturbation"
-    chances[one], upset = _perturbed(sheet, points, chances[one], found[one])
+    chances["after_perturbation"], upset = _perturbed(sheet, points, found["after_perturbation"])
     return Uncertainty(
         samples=points.shape[1],
         points=points,
         probability=chances,
         any=_probability(unstable),
-        sobol=_indices(sheet, entries, varied, _draws(sheet, entries, samples), seed) if varied else {},
+        sobol=_indices(sheet, entries, varied, min(samples, MOST), seed) if varied else {},
         lowest={name: points[:, np.argmin(reserve)] for name, reserve in found.items()},
         upset=upset,
         holds=_probability(lowering <= 0),
@@ -113,23 +112,19 @@ def _ends(hits: int, count: int, level: float = 0.975) -> tuple[float, float]:
     return float(ends.low), float(ends.high)
 
 
-def _perturbed(
-    sheet: Sheet, points: NDArray[np.float64], may: Probability, reserve: NDArray[np.float64]
-) -> tuple[Probability, NDArray[np.float64] | None]:
+def _perturbed(sheet: Sheet, points: Array, reserve: Array) -> tuple[Probability, Array | None]:
     """How often a perturbation starts vibration, and the shares of the drive that the smallest one upsets.
 
-    By the basins of the first drives that ``may`` vibrate: those with a negative reserve. The interval is that of the
+    By the basins of the first drives that may vibrate: those with a negative reserve. The interval is that of the
     share of these times that of the upset among them, each of 97.5 %; drives that are not known widen it.
     """
     if not sheet.closed:
         return Probability(None, None), None
     candidates = np.flatnonzero(reserve < 0)
     if not candidates.size:
-        return may, None
-    answers = []
-    corners = count_of(Draw.of(sheet))
-    for k in candidates[: min(ASKED, max(ASKED_CORNERS // corners, 16))]:
-        answers.append((k, *OperatingWindow(Draw.of(sheet, points[:, k])).most_perturbed))
+        return _probability(reserve < 0), None
+    most = min(ASKED, max(ASKED_CORNERS // count_of(Draw.of(sheet)), 16))
+    answers = [(k, *OperatingWindow(Draw.of(sheet, points[:, k])).most_perturbed) for k in candidates[:most]]
     hits, asked = sum(answer is True for _, answer, *_ in answers), len(answers)
     unknown = sum(answer is None for _, answer, *_ in answers)
     value = candidates.size / reserve.size * hits / (asked - unknown) if unknown < asked else None
@@ -140,21 +135,18 @@ def _perturbed(
     return Probability(value, (among[0] * share[0], among[1] * share[1])), first
 
 
-def _draws(sheet: Sheet, entries: list[str], samples: int) -> int:
-    """How many drives each index of Sobol is taken from: fewer where the window has many points."""
-    points = count_of(Draw.of(sheet)) * (len(entries) + 2)
-    count = min(samples, BLOCK)
-    while count * points > MOST_RESERVES and count > 64:
-        count //= 2
-    return count
-
-
 def _indices(sheet: Sheet, entries: list[str], names: list[str], count: int, seed: int) -> dict[str, dict[str, float]]:
-    """Total Sobol indices of the reserves of some mechanisms: shares of the spread that entries cause, with others."""
+    """Total Sobol indices of the reserves of some mechanisms: shares of the spread that entries cause, with others.
+
+    ``count``: how many drives each is taken from; it is fewer where the window has many points.
+    """
     if len(entries) == 1:  # which causes all of the spread; SciPy has no answer for a single entry
         return {name: {entries[0]: 1.0} for name in names}
+    points = count_of(Draw.of(sheet)) * (len(entries) + 2)
+    while count * points > MOST_RESERVES and count > 64:
+        count //= 2
 
-    def reserve(shares: NDArray[np.float64]) -> NDArray[np.float64]:
+    def reserve(shares: Array) -> Array:
         found = evaluated(sheet, shares)
         return np.stack([found[name] for name in names])
 
@@ -163,7 +155,7 @@ def _indices(sheet: Sheet, entries: list[str], names: list[str], count: int, see
     return {name: dict(zip(entries, row, strict=True)) for name, row in zip(names, rows, strict=True)}
 
 
-def ends(sheet: Sheet, most: int = BLOCK) -> NDArray[np.float64]:
+def ends(sheet: Sheet, most: int = MOST) -> Array:
     """Return the corners (d, n) of the unit cube of the uncertain entries, ``most`` of them, a power of two."""
     size = len(sheet.random)
     if 2**size <= most:
@@ -171,7 +163,7 @@ def ends(sheet: Sheet, most: int = BLOCK) -> NDArray[np.float64]:
     return np.asarray(np.round(qmc.Sobol(size, scramble=True, rng=size).random(most).T))
 
 
-def worst_cases(sheet: Sheet, lowest: Mapping[str, NDArray[np.float64]]) -> dict[str, WorstCase]:
+def worst_cases(sheet: Sheet, lowest: Mapping[str, Array]) -> dict[str, WorstCase]:
     """Return the worst case of each mechanism within the uncertainties; none if nothing is uncertain.
 
     It is the ``lowest`` sample or a lower corner of the unit cube: a mechanism may need several entries at their ends

@@ -73,13 +73,11 @@ def vibration(drive: Drive, perturbation: float | None, parts: Parts, law: bool)
     """Follow the motion of a drive from near steady sliding, u = 0, w = ``perturbation`` Ω, or from rest, to its end.
 
     ``perturbation``: None for a start from rest; ``parts``: what complies; ``law``: whether friction follows one.
+    Raises ``InputError`` or ``EngineError`` where it is not known what the motion ends in.
     """
     most = _WORK_OF_PARTS if parts else _WORK_OF_RIGID
     work = (_WORK_OF_LAW if law else most) // max(1, len(parts) ** 2)
-    try:
-        definition, automaton, start, end = ended(drive, perturbation, work)
-    except (InputError, EngineError) as error:
-        return Vibration(parts, "unknown", reason=str(error))
+    definition, automaton, start, end = ended(drive, perturbation, work)
     words = plain(end.label)
     try:
         start, span, times, states = _shown(drive, definition, automaton, start, end)
@@ -159,27 +157,23 @@ def _load_row(drive: Drive, states: tuple[str, ...]) -> NDArray[np.float64]:
 
 def _of_cycle(drive: Drive, orbit: Motion, row: NDArray[np.float64]) -> dict[str, Any]:
     low, high = orbit_extremes(orbit, np.append(row, 0.0))
-    turning, rates = np.zeros(row.size + 1), np.zeros(row.size + 1)
-    turning[1], turning[-1] = 1.0, drive.input_speed
-    rates[1:-1:2], rates[-1] = row[::2], row[0] * drive.input_speed  # each coordinate is followed by its rate
     impulses = np.abs(event_impulses(drive, orbit).normal)
-    normal = orbit_extremes(orbit, orbit.automaton.functional("normal_force"))
     return {
         "frequency": 1 / orbit.end_time,
         "amplitude": 0.5 * (high - low),
-        "load_speed": _speeds(orbit, rates),
-        "screw_speed": _speeds(orbit, turning),
-        "peak_contact_force": float(max(map(abs, normal))),
+        "load_speed": _extremes(orbit, "nut_speed"),
+        "screw_speed": _extremes(orbit, "screw_speed"),
+        "peak_contact_force": max(map(abs, _extremes(orbit, "normal_force"))),
         "peak_impulse": float(impulses.max(initial=0.0)),
     }
 
 
-def _speeds(orbit: Motion, row: NDArray[np.float64]) -> tuple[float, float]:
-    """Lowest and highest speed on a cycle, a row over the state and 1; what rounding leaves of standstill is zero."""
-    speeds = orbit_extremes(orbit, row)
-    rounding = 1e-12 * max(map(abs, speeds))
-    slowest, fastest = (0.0 if abs(speed) < rounding else speed for speed in speeds)
-    return slowest, fastest
+def _extremes(orbit: Motion, name: str) -> tuple[float, float]:
+    """Lowest and highest value of an observable on a cycle; what rounding leaves of standstill is zero."""
+    ends = orbit_extremes(orbit, orbit.automaton.functional(name))
+    rounding = 1e-12 * max(map(abs, ends))
+    low, high = (0.0 if abs(end) < rounding else end for end in ends)
+    return low, high
 
 
 def tolerated(drive: Drive) -> Tolerated:
@@ -218,9 +212,8 @@ def tolerated_by_trial(drive: Drive, stiff: float | None, parts: Parts = ("threa
 
     known = stiff if stiff is not None and 0 < stiff < math.inf else None
     scale = known or abs(drive.input_speed)
-    compared = known is not None and parts == ("threads",)  # which is all that the other drive does not have
     tried = TOLERATED["tried_threads" if threads else "tried"]
-    if compared:
+    if known is not None and parts == ("threads",):  # which are all that the other drive does not have
         tried = f"{tried} {TOLERATED['beside'].format(size=shown(stiff, 'rad/s'))}"
     low = 0.0
     try:
