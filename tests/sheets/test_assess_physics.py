@@ -13,7 +13,7 @@ from lsvib.drives.mechanics import coefficients, damping_by_slope
 from lsvib.drives.mechanism import standing_state
 from lsvib.drives.model import automaton_of
 from lsvib.sheets.assessment import assess
-from lsvib.sheets.margins import margins
+from lsvib.sheets.changes import margins
 from lsvib.sheets.mechanisms import NAMES
 from lsvib.sheets.operation import Draw
 from lsvib.sheets.sheet import Sheet

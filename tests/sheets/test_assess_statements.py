@@ -11,14 +11,13 @@ from references.sizes import sizes
 from lsvib.drives.model import automaton_of, model_of
 from lsvib.errors import InputError
 from lsvib.sheets.assessment import assess
-from lsvib.sheets.margins import ANY, margins
+from lsvib.sheets.changes import ANY, margins
 from lsvib.sheets.mechanisms import NAMES
 from lsvib.sheets.operation import Draw
 from lsvib.sheets.output import as_json
 from lsvib.sheets.quantities import lifting_efficiency, sliding_speed
-from lsvib.sheets.report import report
+from lsvib.sheets.report import brief, of_curve, report, said
 from lsvib.sheets.sheet import Sheet
-from lsvib.sheets.summary import brief, of_curve, said
 from lsvib.sheets.vibration import tolerated_by_trial
 from lsvib.sheets.window import OperatingWindow, applicable, worst
 from lsvib.sheets.words import ATTRACTORS, percent

@@ -7,13 +7,12 @@ from references.sizes import sizes
 
 from lsvib import Drive
 from lsvib.sheets.assessment import assess
+from lsvib.sheets.changes import changeable
 from lsvib.sheets.chart import KINDS, charts
-from lsvib.sheets.margins import changeable
 from lsvib.sheets.output import as_json
-from lsvib.sheets.report import report
+from lsvib.sheets.report import brief, report
 from lsvib.sheets.sheet import Sheet
 from lsvib.sheets.starting import Starts
-from lsvib.sheets.summary import brief
 from lsvib.sheets.uncertainty import evaluated, study
 from lsvib.sheets.window import OperatingWindow
 from lsvib.stability.force_thresholds import threshold_force

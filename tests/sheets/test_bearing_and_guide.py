@@ -11,10 +11,9 @@ from lsvib.errors import InputError
 from lsvib.sheets.assessment import assess
 from lsvib.sheets.operation import Draw
 from lsvib.sheets.output import assess_file
-from lsvib.sheets.report import report
+from lsvib.sheets.report import of_statics, report
 from lsvib.sheets.sheet import Sheet
 from lsvib.sheets.statics import lets_go, statics
-from lsvib.sheets.summary import of_statics
 from lsvib.sheets.torque.law import Measured, fitted
 from lsvib.sheets.window import OperatingWindow
 from lsvib.stability.conditions import stability

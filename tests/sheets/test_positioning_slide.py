@@ -8,9 +8,9 @@ import numpy as np
 import lsvib
 from lsvib.sheets.assessment import assess
 from lsvib.sheets.operation import Draw
+from lsvib.sheets.report import brief
 from lsvib.sheets.sheet import Sheet
 from lsvib.sheets.starting import Starts
-from lsvib.sheets.summary import brief
 from lsvib.stability.solve import bracketed_root
 
 SHEET = Sheet.read(Path(__file__).parents[2] / "examples" / "positioning_slide.yaml")

@@ -8,9 +8,9 @@ from itertools import product
 import numpy as np
 import pytest
 
+from lsvib.sheets.report import of_statics
 from lsvib.sheets.sheet import Sheet
 from lsvib.sheets.statics import statics
-from lsvib.sheets.summary import of_statics
 
 WAYS = {"out": (1,), "back": (-1,), "both": (1, -1)}
 

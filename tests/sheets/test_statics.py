@@ -13,10 +13,9 @@ from lsvib.sheets.assessment import assess
 from lsvib.sheets.materials import SCREW_MATERIALS
 from lsvib.sheets.operation import Draw
 from lsvib.sheets.output import assess_file
-from lsvib.sheets.report import report
+from lsvib.sheets.report import brief, report
 from lsvib.sheets.sheet import Coupling, Friction, Nut, Screw, Sheet, Thread
 from lsvib.sheets.statics import ENDS, column_load, critical_speed, lets_go, nut_pressure, statics
-from lsvib.sheets.summary import brief
 from lsvib.sheets.threads import thread_size
 
 INCH, POUND = 0.0254, 4.4482216152605

@@ -8,8 +8,8 @@ import yaml
 
 from lsvib.sheets.assessment import assess
 from lsvib.sheets.operation import Draw
+from lsvib.sheets.report import brief
 from lsvib.sheets.sheet import Sheet
-from lsvib.sheets.summary import brief
 from lsvib.sheets.window import worst
 from lsvib.stability.starting import runs_evenly
 

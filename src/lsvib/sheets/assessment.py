@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 
 from lsvib.errors import InputError
 from lsvib.sheets import vibration as motions
-from lsvib.sheets.advice import Change, advice
-from lsvib.sheets.margins import ANY, Margin, margins
+from lsvib.sheets.changes import ANY, Change, advice, margins
 from lsvib.sheets.mechanisms import NAMES
 from lsvib.sheets.operation import Draw, Operation
 from lsvib.sheets.sheet import Sheet
@@ -35,7 +34,7 @@ class Mechanism:
     there: Operation
     probability: float | None
     interval: tuple[float, float] | None
-    margins: list[Margin]
+    margins: list[Change]
 
 
 Found = dict[str, Mechanism]
@@ -69,7 +68,7 @@ class Assessment:
     efficiency: dict[str, Any]
     self_locking: bool
     mechanisms: dict[str, Mechanism]
-    margins: list[Margin]
+    margins: list[Change]
     uncertainty: Uncertainty
     nominal: AssessedMotion
     worst: AssessedMotion
@@ -84,16 +83,11 @@ class Assessment:
         return sorted(own, key=lambda name: self.mechanisms[name].reserve)
 
     @property
-    def nearest(self) -> tuple[str, Margin] | None:
+    def nearest(self) -> tuple[str, Change] | None:
         """The mechanism, and the change of one quantity, by which vibration sets in first; None if by none."""
         found = self.mechanisms
         near = [(name, row) for name in self.names for row in found[name].margins if row.factor is not None]
         return min(near, key=lambda one: abs(math.log(one[1].factor or 1.0)), default=None)
-
-    @property
-    def absent(self) -> list[Margin]:
-        """The dampings that the sheet leaves out and that would alter the verdict."""
-        return [row for row in self.margins if row.factor is None and row.value is not None]
 
 
 def assess(sheet: Sheet, samples: int = 4096, seed: int = 1) -> Assessment:
@@ -149,7 +143,7 @@ def _require_a_drive(window: OperatingWindow) -> None:
             raise InputError(f"The data sheet makes a drive that is out of range: {error}") from None
 
 
-def _mechanisms(window: OperatingWindow, spread: Uncertainty, edges: dict[str, list[Margin]]) -> Found:
+def _mechanisms(window: OperatingWindow, spread: Uncertainty, edges: dict[str, list[Change]]) -> Found:
     found = {}
     for name, one in window.worst.items():
         there, reserve, often = window.critical(name), float(one.reserve[0]), spread.probability[name]

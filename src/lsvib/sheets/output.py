@@ -14,14 +14,13 @@ from lsvib.answers.io import write_dataset
 from lsvib.errors import InputError
 from lsvib.files import check_outputs, replacing, write_json, write_text
 from lsvib.sheets.assessment import AssessedMotion, Assessment, assess
+from lsvib.sheets.changes import Change
 from lsvib.sheets.chart import KINDS, Chart, charts
-from lsvib.sheets.margins import Margin
 from lsvib.sheets.operation import Draw, Operation
-from lsvib.sheets.report import report
+from lsvib.sheets.report import brief, of_curve, of_statics, report, said
 from lsvib.sheets.sheet import Sheet
 from lsvib.sheets.starting import Starting
 from lsvib.sheets.statics import Statics, statics
-from lsvib.sheets.summary import brief, of_curve, of_statics, said
 from lsvib.sheets.words import ABOUT, QUANTITIES, VERDICTS
 
 _OF_MOTIONS = ("parts", "attractor", "vibrates", "frequency", "audible", "amplitude", "load_speed", "screw_speed",
@@ -43,17 +42,16 @@ def assess_file(path: Path, out: Path | None, samples: Any = 4096, seed: Any = 1
         if out is not None:
             raise InputError(f"a report needs what vibration needs; {sheet.of_statics}.")
         return _of_statics(sheet)
-    if out is None:
-        return as_json(assess(sheet, count, start))
-    files = [out / name for name in ("index.html", "assessment.nc", "assessment.json")]
+    files = [out / name for name in ("index.html", "assessment.nc", "assessment.json")] if out else []
     check_outputs(files, [path])
     found = assess(sheet, count, start)
-    operating = charts(found.draw)
     result = as_json(found)
-    with replacing(*files) as (page, data, verdict):
-        write_text(report(found, operating), page)
-        write_dataset(dataset(found, operating), data)
-        write_json(result, verdict)
+    if out:
+        operating = charts(found.draw)
+        with replacing(*files) as (page, data, verdict):
+            write_text(report(found, operating), page)
+            write_dataset(dataset(found, operating), data)
+            write_json(result, verdict)
     return result
 
 
@@ -157,7 +155,7 @@ def _place(there: Operation) -> dict[str, float]:
     return {"direction": int(there.direction), "screw_speed": float(there.speed), "force": float(there.force)}
 
 
-def _margins_json(rows: list[Margin]) -> dict[str, Any]:
+def _margins_json(rows: list[Change]) -> dict[str, Any]:
     return {row.about.name: {"factor": row.factor, "value": row.value, "unit": row.about.unit} for row in rows}
 
 

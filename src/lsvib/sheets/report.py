@@ -1,4 +1,4 @@
-"""The report: the verdict on a drive in plain words, with pictures and numbers; and many drives in one table.
+"""What is said of a drive: a short answer, and a report with pictures and numbers; and many drives in one table.
 
 What is said stands in the templates beside this file.
 """
@@ -6,35 +6,96 @@ What is said stands in the templates beside this file.
 import json
 import math
 from collections.abc import Sequence
+from functools import cache
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
+from jinja2 import Environment
+
+from lsvib.drives import friction
 from lsvib.errors import InputError
 from lsvib.files import write_json, write_text
-from lsvib.sheets import pictures
+from lsvib.sheets import pictures, words
 from lsvib.sheets.assessment import Assessment
+from lsvib.sheets.changes import Change, applied
 from lsvib.sheets.chart import Chart
 from lsvib.sheets.fields import Spread
 from lsvib.sheets.materials import NUT_MATERIALS
-from lsvib.sheets.summary import of_curve, said, templates
+from lsvib.sheets.operation import Draw
+from lsvib.sheets.quantities import FRICTION, sliding_speed
+from lsvib.sheets.starting import BEYOND
+from lsvib.sheets.statics import Statics, lets_go
 from lsvib.sheets.threads import ThreadSize
-from lsvib.sheets.words import QUANTITIES, shown
+from lsvib.sheets.words import shown
 from lsvib.stability.conditions import stability
+
+EFFORTS = {"lifting": "against the load", "lowering": "with the load", "braking": "to brake, where the load turns it"}
+"""What torques are for, the most demanding first."""
+POOR = 0.1  # of a coefficient: a law that is further off says something else than its curve
+
+
+@cache
+def _templates(html: bool) -> Environment:
+    """What renders the templates, with the words that they use."""
+    found = words.environment(html)
+    found.globals |= vars(words) | {"EFFORTS": EFFORTS, "BEYOND": BEYOND, "POOR": POOR, "drops": drops, "inf": math.inf}
+    found.globals |= {"pictures": pictures, "said": said, "of_curve": of_curve, "NUT_MATERIALS": NUT_MATERIALS}
+    return found
 
 
 def _page(template: str, **values: Any) -> str:
-    pages = templates(html=True)
-    pages.globals |= {"pictures": pictures, "said": said, "of_curve": of_curve, "NUT_MATERIALS": NUT_MATERIALS}
-    return pages.get_template(template).render(**values).lstrip()
+    return _templates(html=True).get_template(template).render(**values).lstrip()
+
+
+def said(name: str, *about: Any) -> str:
+    """Return sentences by their name in the template ``summary.j2``, without line breaks."""
+    sentences = _templates(html=False).get_template("summary.j2").module
+    return " ".join(str(getattr(sentences, name)(*about)).split())
+
+
+def brief(assessment: Assessment) -> list[str]:
+    """Return the short answer for the shell, a sentence or two to a line: verdict, statics, limits, three changes."""
+    known = 0 < (assessment.starting.even_speed or 0.0) < math.inf
+    told = assessment.verdict not in ("vibrates", "steady without reserve") or known
+    first = f"{words.VERDICTS[assessment.verdict]} {said('from_rest', assessment.starting) if told else ''}".strip()
+    changes = [said("changes", assessment)] if assessment.verdict in ("vibrates", "jerks") else []
+    curve = said("curve", of_curve(assessment.draw))
+    return [line for line in (first, *of_statics(assessment.statics), curve, *changes) if line]
+
+
+def of_statics(found: Statics) -> list[str]:
+    """Return what statics say: whether the load is held, torques and efficiency, limits that are exceeded."""
+    return [line for name in ("holding", "effort", "limits") if (line := said(name, found))]
+
+
+def of_curve(draw: Draw) -> dict[str, Any] | None:
+    """Return the ``law`` of a curve of friction, how far it is ``off`` [1] ``at`` most, and the sliding speeds [m/s].
+
+    Those are the ends of the ``curve`` and of the operating ``window``.
+    """
+    given = draw.sheet.friction
+    if not given.curve:
+        return None
+    law = {name: draw.values[name] for name in (*FRICTION, "stribeck_speed") if name in draw.values}
+    law["stribeck_exponent"], (speeds, coefficients) = given.stribeck_exponent, np.array(given.curve).T
+    off = np.abs(friction.unbounded_coefficient(SimpleNamespace(**law), speeds) / coefficients - 1)
+    used = [sliding_speed(draw.values[f"speed_{end}"], draw.pitch_radius, draw.lead_angle) for end in ("low", "high")]
+    ends = {"curve": speeds[[0, -1]].tolist(), "window": [float(speed) for speed in used]}
+    return {"law": law, "off": float(off.max()), "at": float(speeds[off.argmax()]), **ends}
+
+
+def drops(assessment: Assessment, row: Change) -> bool:
+    """Whether the load drops, once the current is off, with a change of one quantity."""
+    return lets_go(assessment.draw, applied(assessment.draw, row))
 
 
 def report(assessment: Assessment, charts: list[Chart]) -> str:
     """Return the report on an assessment as the text of one HTML page, which needs no other file."""
     sheet = assessment.draw.sheet
-    same = assessment.worst is assessment.nominal
-    motions = {"At the given values" if same else "At the middle values": assessment.nominal}
-    if not same:
-        motions["In the worst case within the uncertainties"] = assessment.worst
+    nominal, worst = assessment.nominal, assessment.worst
+    motions = {"At the middle values": nominal, "In the worst case within the uncertainties": worst}
     return _page(
         "report.html.j2",
         title=f"{sheet.name}: will it vibrate?",
@@ -42,14 +103,14 @@ def report(assessment: Assessment, charts: list[Chart]) -> str:
         sheet=sheet,
         given=sheet.paths(),
         spread=assessment.uncertainty,
-        worst=assessment.worst.vibration,
+        worst=worst.vibration,
         names=assessment.names,
         changes=[row for row in assessment.changes if row.factor]
         if assessment.verdict == "jerks"
         else [row for row in assessment.margins if row.is_near() and row.value],
         oscillations=_oscillations(assessment) if sheet.motor is not None else [],
         charts=charts,
-        motions=motions,
+        motions={"At the given values": nominal} if worst is nominal else motions,
         endangered=bool(assessment.statics.back_drives) or any(row.exceeded for row in assessment.statics.limited),
         entries=[(path, _entry(one)) for path, one in sheet.entries() if one is not None],
     )
@@ -88,7 +149,7 @@ def compare(verdicts: Sequence[Path], page_file: Path, json_file: Path) -> None:
     """
     found = [{"report": f"{path.parent.name}/index.html", **_short(path)} for path in verdicts]
     found.sort(key=lambda short: (-short["probability"], short["reserve"]))
-    names = {about.name: about.words for about in QUANTITIES.values()}
+    names = {about.name: about.words for about in words.QUANTITIES.values()}
     page = _page("report_comparison.html.j2", title="Which drives vibrate?", drives=found, names=names)
     write_text(page, page_file)
     write_json(found, json_file)
