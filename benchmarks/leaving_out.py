@@ -12,8 +12,8 @@ from typing import NamedTuple
 import numpy as np
 from references.drives import support_drive
 
+from lsvib.drives.automata import automaton_of
 from lsvib.drives.drive import Drive, forget
-from lsvib.drives.model import automaton_of
 from lsvib.systems.automaton import Automaton
 from lsvib.systems.exact.modal_form import linear_mode, modal_flow
 from lsvib.systems.kernels import layout

@@ -8,10 +8,11 @@ from references.drives import threads_drive
 
 from benchmarks.judge import Record
 from benchmarks.truth import truth
+from lsvib.drives.automata import automaton_of
 from lsvib.drives.drive import Drive
 from lsvib.drives.mechanics import coefficients
 from lsvib.drives.mechanism import seated_state
-from lsvib.drives.model import Model, automaton_of, model_of
+from lsvib.drives.model import Model, model_of
 from lsvib.stability.boundaries import place_values
 from lsvib.stability.force_thresholds import threshold_force
 from lsvib.systems.automaton import Automaton

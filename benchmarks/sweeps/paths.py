@@ -11,8 +11,9 @@ from references.bodies import Bodies
 from benchmarks.judge import Record
 from benchmarks.sweeps.families import Case
 from benchmarks.truth import by_seizure, truth
+from lsvib.drives.automata import automaton_of
 from lsvib.drives.drive import Drive
-from lsvib.drives.model import automaton_of, model_of
+from lsvib.drives.model import model_of
 from lsvib.systems.automaton import Automaton
 from lsvib.systems.kernels import layout
 from lsvib.systems.kernels.layout import ACCUMULATION_KIND, GRAZE_KIND

@@ -22,7 +22,7 @@ from references.drives import DRIVES, MODELS, NEAR_FOLD, PARADOX, threads_drive,
 
 import lsvib
 from lsvib import Drive, api
-from lsvib.drives.model import automaton_of
+from lsvib.drives.automata import automaton_of
 from lsvib.dynamics.boundary import basin
 from lsvib.systems.attractor import steady_state
 from lsvib.systems.motion import follow

@@ -19,7 +19,7 @@ from benchmarks.sweeps.energy_balance import balance, residual, terms
 from benchmarks.sweeps.families import Case, CaseFamily
 from benchmarks.sweeps.paths import automaton, fields
 from lsvib import Drive
-from lsvib.drives.model import automaton_of
+from lsvib.drives.automata import automaton_of
 from lsvib.errors import EngineError, InputError
 from lsvib.systems.motion import follow
 

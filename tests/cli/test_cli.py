@@ -21,7 +21,7 @@ from lsvib.answers.attributes import counted
 from lsvib.answers.io import read_dataset
 from lsvib.chapter.build import compute_figure
 from lsvib.chapter.configuration import DEFAULT, checked, standard_settings
-from lsvib.drives.model import automaton_of
+from lsvib.drives.automata import automaton_of
 from lsvib.drives.pairings import PAIRINGS
 from lsvib.drives.scene import read_yaml
 from lsvib.errors import LsvibError

@@ -7,9 +7,9 @@ from references.known import PARADOX
 import lsvib
 from lsvib import Drive
 from lsvib.answers.motion import Simulation, as_scene
+from lsvib.drives.automata import automaton_of
 from lsvib.drives.command import Command
 from lsvib.drives.mechanism import standing_state
-from lsvib.drives.model import automaton_of
 from lsvib.drives.names import Event
 from lsvib.errors import InputError
 from lsvib.systems.motion import Budget, follow

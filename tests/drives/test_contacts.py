@@ -9,9 +9,10 @@ from references.drives import COLLAR, MOTOR, OWN, RISE, drawn, one_of, power, si
 from references.sizes import sizes
 
 from lsvib import Drive
+from lsvib.drives.automata import automaton_of
 from lsvib.drives.command import Command
 from lsvib.drives.mechanism import standing_state
-from lsvib.drives.model import automaton_of, model_of
+from lsvib.drives.model import model_of
 from lsvib.drives.names import Event
 from lsvib.errors import InputError
 

@@ -9,7 +9,7 @@ from references.comparisons import held
 from references.drives import DRIVES, threads_drive
 
 from lsvib import Drive
-from lsvib.drives.model import automaton_of
+from lsvib.drives.automata import automaton_of
 from lsvib.drives.names import Event, MotionMode
 from lsvib.systems.motion import follow
 

@@ -15,9 +15,10 @@ from references.sizes import sizes
 from lsvib import Drive
 from lsvib.answers.sweep import sweep
 from lsvib.drives import friction
+from lsvib.drives.automata import automaton_of
 from lsvib.drives.drive import PARTS
 from lsvib.drives.mechanism import standing_state
-from lsvib.drives.model import automaton_of, model_of
+from lsvib.drives.model import model_of
 from lsvib.errors import EngineError, InputError
 from lsvib.stability.boundaries import places
 from lsvib.stability.conditions import stability

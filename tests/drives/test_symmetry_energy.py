@@ -13,7 +13,8 @@ from references.comparisons import RULES
 from references.drives import drive_with_parts, random_drive, random_start
 
 from benchmarks.sweeps.energy_balance import balance
-from lsvib.drives.model import automaton_of, model_of
+from lsvib.drives.automata import automaton_of
+from lsvib.drives.model import model_of
 from lsvib.errors import EngineError, InputError
 from lsvib.systems.motion import follow
 

@@ -22,7 +22,8 @@ from references.drives import DRIVES, OFFERED, catalogue_drive
 from references.known import NEGATIVE_DAMPING, PARADOX
 
 from lsvib import Drive
-from lsvib.drives.model import automaton_of, model_of
+from lsvib.drives.automata import automaton_of
+from lsvib.drives.model import model_of
 from lsvib.drives.names import Event
 from lsvib.errors import WorkSpentError
 from lsvib.stability.force_thresholds import threshold_force

@@ -19,9 +19,9 @@ from references.sizes import sizes
 
 from lsvib import Drive
 from lsvib.answers.map import mapper
+from lsvib.drives.automata import automaton_of
 from lsvib.drives.drive import PART_OF
 from lsvib.drives.friction import NAMES
-from lsvib.drives.model import automaton_of
 from lsvib.dynamics.boundary import basin
 from lsvib.errors import InputError
 from lsvib.systems.attractor import Attractor, steady_state

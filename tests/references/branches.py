@@ -12,8 +12,9 @@ from typing import NamedTuple
 import numpy as np
 
 from lsvib import Drive
+from lsvib.drives.automata import automaton_of
 from lsvib.drives.mechanism import standing_state
-from lsvib.drives.model import automaton_of, model_of
+from lsvib.drives.model import model_of
 from lsvib.dynamics.cycles import Cycle
 from lsvib.errors import EngineError, InputError
 from lsvib.systems.attractor import steady_state

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from lsvib import Drive
+from lsvib.drives.automata import automaton_of
 from lsvib.drives.command import Command
-from lsvib.drives.model import automaton_of, model_of
+from lsvib.drives.model import model_of
 from lsvib.drives.names import Event
 from lsvib.dynamics.energy import work
 from lsvib.errors import EngineError, InputError

@@ -9,9 +9,9 @@ from references.random_sheets import sheet
 
 from lsvib import Drive
 from lsvib.drives import friction
+from lsvib.drives.automata import automaton_of
 from lsvib.drives.mechanics import coefficients, damping_by_slope
 from lsvib.drives.mechanism import standing_state
-from lsvib.drives.model import automaton_of
 from lsvib.sheets.assessment import assess
 from lsvib.sheets.changes import margins
 from lsvib.sheets.mechanisms import NAMES

@@ -8,7 +8,8 @@ import yaml
 from references.random_sheets import LAW, random_sheet, sheet
 from references.sizes import sizes
 
-from lsvib.drives.model import automaton_of, model_of
+from lsvib.drives.automata import automaton_of
+from lsvib.drives.model import model_of
 from lsvib.errors import InputError
 from lsvib.sheets.assessment import assess
 from lsvib.sheets.changes import ANY, margins

@@ -11,9 +11,10 @@ from references.sizes import sizes
 
 import lsvib
 from lsvib import Attractor, Drive, NoThreshold
+from lsvib.drives.automata import automaton_of
 from lsvib.drives.drive import PARTS
 from lsvib.drives.mechanism import standing_state
-from lsvib.drives.model import automaton_of, model_of
+from lsvib.drives.model import model_of
 from lsvib.stability.starting import runs_evenly
 from lsvib.systems.motion import enter
 

@@ -22,7 +22,7 @@ from references.drives import LIKE_PARTS, LIKE_TABLE_8_1, PARADOX, about, decade
 from references.threshold_digits import WORK, gap, root
 
 from lsvib import Drive
-from lsvib.drives.model import automaton_of
+from lsvib.drives.automata import automaton_of
 from lsvib.drives.names import Event
 from lsvib.dynamics.boundary import Boundary, basin
 from lsvib.errors import EngineError, InputError, NoThreshold

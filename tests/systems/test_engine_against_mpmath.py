@@ -21,7 +21,7 @@ from references.drives import random_drive, random_start
 from references.known import NEGATIVE_DAMPING
 
 from lsvib import Drive
-from lsvib.drives.model import automaton_of
+from lsvib.drives.automata import automaton_of
 from lsvib.drives.names import Event, MotionMode
 from lsvib.systems.exact.modal_form import PlanarMode
 from lsvib.systems.kernels import flow_planar, layout

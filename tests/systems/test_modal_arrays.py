@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from references.drives import catalogue_drive
 
+from lsvib.drives.automata import automaton_of
 from lsvib.drives.many import ManyDrives, groups
-from lsvib.drives.model import automaton_of
 from lsvib.systems.exact.modal_form import linear_mode
 from lsvib.systems.kernels import event_loop
 from lsvib.systems.kernels.layout import A0, A1, BETA, ModalFlow

@@ -21,7 +21,7 @@ from references.drives import threads_drive
 from references.known import NEGATIVE_DAMPING, PARADOX
 
 from lsvib import Drive
-from lsvib.drives.model import automaton_of
+from lsvib.drives.automata import automaton_of
 from lsvib.errors import EngineError
 from lsvib.systems import motion as runs
 from lsvib.systems.exact.modal_form import linear_mode, modal_flow
@@ -219,7 +219,7 @@ PROGRAM = """
 import json
 from lsvib.systems.motion import follow
 from lsvib import Drive
-from lsvib.drives.model import automaton_of
+from lsvib.drives.automata import automaton_of
 
 results = []
 for mass, force, c_x, rule in (

@@ -12,8 +12,9 @@ from lsvib import numbers, words
 from lsvib.answers import attributes as cf
 from lsvib.answers import phase_plane
 from lsvib.answers.io import read_dataset, rows_of, write_dataset
+from lsvib.drives.automata import automaton_of
 from lsvib.drives.drive import Drive
-from lsvib.drives.model import automaton_of, coordinates, model_of
+from lsvib.drives.model import coordinates, model_of
 from lsvib.drives.names import Event
 from lsvib.dynamics.boundary import known_basin
 from lsvib.errors import InputError

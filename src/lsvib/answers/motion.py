@@ -13,8 +13,8 @@ import xarray as xr
 from lsvib import words
 from lsvib.answers import attributes as cf
 from lsvib.answers import phase_plane
+from lsvib.drives.automata import automaton_of
 from lsvib.drives.drive import changed, parameters_of
-from lsvib.drives.model import automaton_of
 from lsvib.drives.observables import TABLE
 from lsvib.drives.scene import Scene, read_yaml
 from lsvib.dynamics.impulses import Impulses, event_impulses

@@ -13,9 +13,9 @@ import numpy as np
 import xarray as xr
 
 from lsvib.answers import attributes as cf
+from lsvib.drives.automata import automaton_of
 from lsvib.drives.drive import Drive
 from lsvib.drives.mechanics import coefficients
-from lsvib.drives.model import automaton_of
 from lsvib.drives.names import CLOCK, RULES, Event, MotionMode, Resume
 from lsvib.errors import InputError
 from lsvib.systems.exact.arithmetic import many_digits

@@ -12,10 +12,11 @@ from lsvib.chapter import impacts, newton
 from lsvib.chapter import settings as of
 from lsvib.chapter.checks import Check
 from lsvib.chapter.common import SteadyState, about, printed
+from lsvib.drives.automata import automaton_of
 from lsvib.drives.chapter import claims
 from lsvib.drives.drive import Drive
 from lsvib.drives.mechanism import seated_state
-from lsvib.drives.model import automaton_of, model_of
+from lsvib.drives.model import model_of
 from lsvib.drives.names import COORDINATES
 from lsvib.pictures import drawing, style
 

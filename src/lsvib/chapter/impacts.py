@@ -16,10 +16,10 @@ from lsvib.answers.phase_plane import RULE, sample
 from lsvib.chapter import printed_laws
 from lsvib.chapter.checks import Check
 from lsvib.chapter.common import Motion
+from lsvib.drives.automata import automaton_of
 from lsvib.drives.drive import Drive
 from lsvib.drives.mechanics import coefficients
 from lsvib.drives.mechanism import seated_state
-from lsvib.drives.model import automaton_of
 from lsvib.drives.names import RULES, Event
 
 # All assumed: Γ₊ < 0, and forces of both signs and dampings with which impacts reach every branch.

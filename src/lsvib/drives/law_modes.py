@@ -12,17 +12,14 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from flint import arb
 
 from lsvib.drives import friction, observables, sliding
-from lsvib.drives.command import Command, one_after_the_other
-from lsvib.drives.drive import Drive, once
-from lsvib.drives.mechanism import Mechanism, seated
+from lsvib.drives.mechanism import seated
 from lsvib.drives.modes import Modes
-from lsvib.drives.names import DIRECTIONS, Event, Key, Resume
+from lsvib.drives.names import DIRECTIONS, Event, Key
 from lsvib.errors import InputError
-from lsvib.systems.automaton import Automaton, Branch, Guard, Mode, Transition, assemble
-from lsvib.systems.exact.arithmetic import Row, double, many_digits, sign
+from lsvib.systems.automaton import Branch, Guard, Mode, Transition
+from lsvib.systems.exact.arithmetic import Row, double, sign
 from lsvib.systems.exact.taylor_form import Split
 from lsvib.systems.kernels.layout import Test
 
@@ -141,36 +138,3 @@ class LawModes(Modes):
         seen[half] = seen[steady]
         for of_mode in parts.values():
             of_mode[half] = of_mode[steady]
-
-
-@once
-def automaton_of_parts(drive: Drive, resume: Resume, rest: bool) -> Automaton:
-    """Return the automaton of a drive; without ``rest`` that of slip in the direction of the motor alone.
-
-    Raises ``InputError`` where a dry friction leaves the motion undetermined, ``EngineError`` if the rates of a mode
-    cannot be separated in double precision.
-    """
-    with many_digits():
-        modes = modes_of(drive.exact(), drive.parts, resume)
-        return modes.automaton() if rest else modes.without_rest()
-
-
-@once
-def automaton_under_command(drive: Drive, command: Command, resume: Resume) -> Automaton:
-    """Return the automaton of a drive whose commanded speed changes, with modes of its own for each piece of that.
-
-    The clock, the last state, begins anew in each piece, so that no digits of Ω(t) are lost late.
-    """
-    with many_digits():
-        d = drive.exact()
-        pieces = [(modes_of(d, drive.parts, resume, (arb(s), arb(a))), x) for x, s, a in command.pieces()]
-        return assemble(**one_after_the_other([(modes.layout(), duration) for modes, duration in pieces]))
-
-
-def modes_of(
-    d: Any, parts: tuple[str, ...], resume: Resume = "contact_sign", command: tuple[arb, arb] | None = None
-) -> Modes:
-    """Return the modes of a drive from its parameters as balls, or of many from arrays; see ``Mechanism``."""
-    if not friction.depends_on_speed(d):
-        return Modes(Mechanism(d, parts, d.steady_friction, command), resume)
-    return LawModes(Mechanism(d, parts, friction.coefficient(d, 0 * d.pitch_radius), command), resume)

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from lsvib.drives import friction
+from lsvib.drives.automata import modes_of
 from lsvib.drives.drive import DRY, Drive
-from lsvib.drives.law_modes import modes_of
 from lsvib.drives.mechanism import seated, standing
 from lsvib.errors import EngineError
 from lsvib.systems.automaton import Automaton

@@ -14,15 +14,13 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 
 from lsvib.drives import observables, thresholds
-from lsvib.drives.command import Command
 from lsvib.drives.drive import DRY, PARTS, Drive
-from lsvib.drives.friction import depends_on_speed
 from lsvib.drives.mechanism import seated_state, standing_state
-from lsvib.drives.names import COORDINATES, Event, Resume, mode_names, own_frictions, sides_of_rest
+from lsvib.drives.names import COORDINATES, Event, mode_names, own_frictions, sides_of_rest
 from lsvib.errors import InputError
 
 if TYPE_CHECKING:  # a scene can be read and refused without the engine
-    from lsvib.systems.automaton import Automaton
+    pass
 
 _EQUATIONS = {"threads": "eqs 8.6, 8.7", "support": "eqs 8.23-8.32", "nut": "Sect. 5.8, eq. 8.33"}
 _CONSTRAINT = {
@@ -110,28 +108,6 @@ def model_of(drive: Drive) -> Model:
     ('angle_deviation', 'velocity_deviation', 'thread_mismatch', 'mismatch_rate')
     """
     return _of_parts(drive.parts, tuple(name for name in DRY if getattr(drive, name)))
-
-
-def automaton_of(
-    drive: Drive, resume: Resume = "contact_sign", command: Command | None = None, rest: bool = True
-) -> "Automaton":
-    """Return the automaton of a drive, also under a command, or without ``rest`` where its motion does not reach it.
-
-    Raises ``InputError`` for a rule of resuming that is known of the rigid drive only, and as
-    :func:`lsvib.drives.law_modes.automaton_of_parts` does.
-    """
-    from lsvib.drives.law_modes import automaton_of_parts, automaton_under_command
-    from lsvib.drives.mechanics import coefficients
-
-    if resume != "contact_sign" and not drive.rigid:
-        raise InputError(f"resume = {resume!r} is known of the rigid drive only; others know contact_sign.")
-    evenly = drive.rigid and drive.input_speed and not (command or depends_on_speed(drive))
-    if not rest and not (evenly and not coefficients(drive).paradox):
-        raise InputError(
-            "physics leaves out rest, which only a rigid drive below its critical mass may do, if its motor turns "
-            "evenly and friction does not depend on the speed; list rest."
-        )
-    return automaton_under_command(drive, command, resume) if command else automaton_of_parts(drive, resume, rest)
 
 
 def coordinates() -> dict[str, str]:

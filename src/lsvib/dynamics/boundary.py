@@ -17,9 +17,9 @@ from flint import arb
 from numpy.typing import ArrayLike, NDArray
 
 from lsvib.drives import friction
+from lsvib.drives.automata import automaton_of
 from lsvib.drives.drive import Drive
 from lsvib.drives.mechanics import Coefficients, coefficients
-from lsvib.drives.model import automaton_of
 from lsvib.drives.names import MotionMode
 from lsvib.dynamics.cycles import swing
 from lsvib.dynamics.reversed_time import BEGINNING, backward_automaton, backward_under_law

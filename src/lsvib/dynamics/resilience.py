@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
+from lsvib.drives.automata import automaton_of
 from lsvib.drives.drive import Drive
-from lsvib.drives.model import automaton_of
 from lsvib.dynamics.boundary import AttractsNothing, Basin, basin
 from lsvib.numbers import bisected
 from lsvib.systems.curves import Arc, Part, Piece, Window, passes, sign_changes, state_on, states_on

@@ -15,10 +15,9 @@ from dataclasses import replace
 
 from flint import arb
 
+from lsvib.drives.automata import automaton_of, modes_of
 from lsvib.drives.drive import Drive
-from lsvib.drives.law_modes import modes_of
 from lsvib.drives.mechanics import coefficients
-from lsvib.drives.model import automaton_of
 from lsvib.drives.names import Event, MotionMode
 from lsvib.systems.automaton import Automaton, Branch, Guard, Mode, Surface, Transition, assemble
 from lsvib.systems.exact.arithmetic import Row, many_digits

@@ -13,9 +13,10 @@ from typing import Any
 
 import numpy as np
 
+from lsvib.drives.automata import automaton_of
 from lsvib.drives.drive import Drive
 from lsvib.drives.many import Group, ManyDrives, groups
-from lsvib.drives.model import automaton_of, model_of
+from lsvib.drives.model import model_of
 from lsvib.drives.names import Event
 from lsvib.dynamics.impulses import balances, event_impulses
 from lsvib.dynamics.kernels import sweep as kernels

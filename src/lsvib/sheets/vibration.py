@@ -8,9 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lsvib.drives import friction
+from lsvib.drives.automata import automaton_of
 from lsvib.drives.drive import Drive
 from lsvib.drives.mechanics import coefficients
-from lsvib.drives.model import Model, automaton_of, model_of
+from lsvib.drives.model import Model, model_of
 from lsvib.dynamics.impulses import event_impulses
 from lsvib.dynamics.resilience import resilience
 from lsvib.errors import EngineError, InputError
