@@ -39,7 +39,7 @@ KNOWN = [  # drive, period of the cycle, parameter, span; values that it reaches
      (0.00027, 0.00033)),
     (dict(mass=1, translation_damping=1e3, axial_force=40, static_friction_coefficient=0.3), None,
      "friction_coefficient", (0.2, 0.3), (0.3,)),
-    (dict(mass=11, support_damping=2e-3, axial_force=-18.37, contact_stiffness=1e8, contact_damping=1e8), None,
+    (dict(mass=11, support_damping=2e-3, axial_force=-18.37, contact_stiffness=1e8, contact_damping=1e8), 0.0146427597,
      "axial_force", (-18.5, -18.3699), (-18.371145255,)),
 ]  # fmt: skip
 

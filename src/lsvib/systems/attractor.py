@@ -40,8 +40,8 @@ from lsvib.systems.kernels import attractor as rule
 from lsvib.systems.kernels import event_loop, jit
 from lsvib.systems.kernels.poincare_map import LONGEST, ON_CIRCLE
 from lsvib.systems.kernels.single_mode import Outcome
-from lsvib.systems.machine import blank, machine_for, of_one_type
-from lsvib.systems.motion import Motion, bouncing, engine_for, enter, follow, new_events
+from lsvib.systems.machine import blank, lent, of_one_type
+from lsvib.systems.motion import Motion, bouncing, enter, follow, new_events
 
 
 class Attractor(IntEnum):
@@ -207,10 +207,8 @@ def end_of_motion(
         mode, here = enter(automaton, here)
     known = known or KnownCycles.of((), automaton, 0)
     found = new_found(here.size, max_events)
-    engine = automaton.engines.pop() if automaton.engines else engine_for(automaton.tables)
-    machine, tables = machine_for(automaton.tables, engine), of_one_type(automaton.tables)
-    outcome = rule.end_of(machine, tables, known.asked, mode, here, records(here.size), found)
-    automaton.engines.append(engine)
+    with lent(automaton) as (machine, tables):
+        outcome = rule.end_of(machine, tables, known.asked, mode, here, records(here.size), found)
     notes = found.notes[0]
     course = Course(float(notes["time"]), int(notes["sprags"]), int(notes["first_event"]))
     return _meant(automaton, outcome, found, known), course

@@ -300,8 +300,11 @@ def _halved(shooting: Shooting, here: Solved, there: Solved, holds: Callable[[So
     length = float(here.tangent @ (there.z - here.z))
     low, high, point = 0.0, length, here
     while high - low > 1e-9 * length:
-        middle = 0.5 * (low + high)
-        found = _on_piece(shooting, here, middle)
+        for part in (0.5, 0.4, 0.6):  # Newton's method may miss one of them by rounding
+            middle = low + part * (high - low)
+            found = _on_piece(shooting, here, middle)
+            if found is not None:
+                break
         low, high, point = (low, middle, point) if found is None or not holds(found) else (middle, high, found)
     return point
 

@@ -12,16 +12,15 @@ surface.
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from functools import partial
 from itertools import combinations
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
 from lsvib.errors import EngineError
 from lsvib.systems.attractor import Attractor, SteadyState, steady_state
 from lsvib.systems.automaton import Automaton
-from lsvib.systems.kernels.layout import ACCUMULATION_KIND
+from lsvib.systems.kernels.layout import ACCUMULATION_KIND, Events
 from lsvib.systems.motion import Budget, Motion, follow
 from lsvib.systems.section import Section, section_key, size_of
 
@@ -67,13 +66,13 @@ def _cycle_between(
 ) -> Cycle | None:
     """The cycle on the edge between two starts (n), of which the first has this ending; None if none is found."""
 
-    def on_first_side(mode: int | None, state: np.ndarray) -> bool:
+    def on_first_side(state: np.ndarray) -> bool:
         return alike(steady_state(automaton, state, mode=mode, max_events=_WORK), ending)
 
     mode: int | None = None
     size = np.maximum(np.abs(low), np.abs(high))
     for _ in range(8):  # attempts of Newton's method: four on the first line, the others from later events
-        low, high = _closer(low, high, size, partial(on_first_side, mode))
+        low, high = _closer(low, high, size, on_first_side)
         finest = _distance(low, high, size) <= _FINEST
         both = _side_by_side(automaton, low, high, mode)
         if both is None and finest:
@@ -109,8 +108,8 @@ def _closer(
     return low, high
 
 
-def _distance(one: np.ndarray, other: np.ndarray, size: np.ndarray) -> float:
-    return float(np.max(np.abs(one - other) / np.where(size == 0, 1.0, size)))
+def _distance(one: np.ndarray, other: np.ndarray, size: np.ndarray) -> Any:
+    return np.max(np.abs(one - other) / np.where(size == 0, 1.0, size), axis=-1)
 
 
 def _side_by_side(
@@ -134,16 +133,12 @@ def _side_by_side(
     if count == 0:
         return None
     size = np.abs(one.after[:count]).max(axis=0)
-    apart = np.abs(one.after[:count] - other.after[:count]) / np.where(size == 0, 1.0, size)
-    gaps = np.maximum.accumulate(apart.max(axis=1))
+    gaps = np.maximum.accumulate(_distance(one.after[:count], other.after[:count], size))
     count = int(np.searchsorted(gaps, _PARTED))
     if count == 0:
         return None
-    together = replace(
-        one, time=one.time[:count], kind=one.kind[:count], sign=one.sign[:count], mode=one.mode[:count],
-        before=one.before[:count], after=one.after[:count],
-    )  # fmt: skip
-    return together, gaps[:count], other.after[:count]
+    together = {name: getattr(one, name)[:count] for name in Events._fields}
+    return replace(one, **together), gaps[:count], other.after[:count]
 
 
 def _sections(motion: Motion, gaps: np.ndarray) -> Iterator[Section]:

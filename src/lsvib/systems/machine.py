@@ -1,14 +1,17 @@
 """What the compiled rule needs to follow the motions of an automaton, of one type for all kinds of flow."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
 
+from lsvib.systems.automaton import Automaton
 from lsvib.systems.kernels import event_loop, jit, layout
 from lsvib.systems.kernels import machine as kernels
 from lsvib.systems.kernels.layout import Modal, ModalFlow, Now, Planar, Tables, Taylor, TaylorFlow
 from lsvib.systems.kernels.machine import AnyFlow, AnyWork, Machine
-from lsvib.systems.motion import NEVER, new_events
+from lsvib.systems.motion import NEVER, engine_for, new_events
 
 
 def _empty(flow: type) -> Any:
@@ -47,6 +50,14 @@ def machine_for(tables: Tables, engine: event_loop.Engine) -> Machine:
         by_speed=place == "taylor",
         room=room,
     )
+
+
+@contextmanager
+def lent(automaton: Automaton) -> Iterator[tuple[Machine, Tables]]:
+    """Lend the machine of an automaton and its tables, of the one type, to one who follows motions by the rule."""
+    engine = automaton.engines.pop() if automaton.engines else engine_for(automaton.tables)
+    yield machine_for(automaton.tables, engine), of_one_type(automaton.tables)
+    automaton.engines.append(engine)
 
 
 def derivative_of(tables: Tables) -> int:

@@ -13,6 +13,7 @@ from lsvib.systems.automaton import Automaton, Branch, Guard, Mode, Surface, Tra
 from lsvib.systems.exact.modal_form import PlanarMode, linear_mode
 from lsvib.systems.kernels import event_loop, jit
 from lsvib.systems.kernels.layout import CARRY, FIRST_MODEL_KIND, STEPS, TIME, Begin, Events, Now, Status, Tables, Until
+from lsvib.systems.kernels.machine import STEP
 
 NEVER = Until(0.0, -1, -1)  # for its type
 _FIRST_CAPACITY = 256  # events that the first list holds; each further list holds twice as many as came before
@@ -20,9 +21,8 @@ _MANY_EVENTS = 10_000_000  # limit where the caller gives none; they take about 
 _MANY_STEPS = 50_000_000  # of the searches for events, likewise; a minute or two
 _FINE = (Status.TIME_REACHED, Status.STOP_EVENT, Status.SETTLED, Status.EVENTS_FULL, Status.WORK_SPENT)
 
-# Cost of a run in units of one ordinary event of a modal flow, one to three microseconds, as measured.
-CALL = 10.0  # of a call of the engine from Python
-_STEP = 0.1  # of a step of the search for an event
+# cost of a call of the engine from Python, in units of one ordinary event, one to three microseconds, as measured
+CALL = 10.0
 
 
 class Budget:
@@ -129,7 +129,7 @@ def follow(
     if budget is not None:
         budget.spend(CALL)
     engine = automaton.engines.pop() if automaton.engines else engine_for(automaton.tables)
-    clock = np.array([0.0, 0.0, 0.0, _MANY_STEPS if budget is None else budget.left / _STEP])
+    clock = np.array([0.0, 0.0, 0.0, _MANY_STEPS if budget is None else budget.left / STEP])
     now, until = Now(state, np.abs(state), clock), Until(float(t_end), *stop)
     most = _MANY_EVENTS if max_events is None else max_events
     pieces, total, capacity = [], 0, min(_FIRST_CAPACITY, most)
@@ -140,7 +140,7 @@ def follow(
         if budget is not None and status == Status.WORK_SPENT:
             budget.left = 0.0
         elif budget is not None:
-            budget.spend(count + _STEP * (steps - clock[STEPS]))
+            budget.spend(count + STEP * (steps - clock[STEPS]))
         pieces.append([column[:count] for column in events])
         total += count
         if status != Status.EVENTS_FULL or total >= most:

@@ -17,18 +17,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lsvib.errors import EngineError
 from lsvib.systems.automaton import Automaton
 from lsvib.systems.kernels import flow_planar, saltation
 from lsvib.systems.kernels import poincare_map as kernels
-from lsvib.systems.kernels.layout import Begin, Status
-from lsvib.systems.machine import derivative_of, of_one_type
-from lsvib.systems.motion import Budget, Motion, follow
+from lsvib.systems.kernels.layout import Begin, Events, Status
+from lsvib.systems.machine import derivative_of, lent, of_one_type
+from lsvib.systems.motion import Motion, new_events
 
 PATIENCE = 10  # time that a return may take, in times of the longest return seen
 AT_REST = 4 * flow_planar.EPS  # of a step of Newton's method: rounding
 CLOSE = 1e-8  # residual of a motion that is periodic, well above rounding times the growth of neighbours
-_MOST_WORK = 100_000  # of a return, in events: a second under a friction law
+_MOST_WORK = 100_000.0  # of Newton's method, in events: a second under a friction law
 _STEPS = (1e-6, 1e-9)  # in y, by which the change of P′ along the section is measured; the larger change counts
 
 
@@ -88,7 +87,7 @@ class Section:
     A place y (d) counts the ``free`` coordinates from the origin in ``unit`` (n), those of the origin itself, because
     an unloaded contact is far from its peak; the others follow from the surfaces of the automaton that the origin
     meets. ``size`` (n) is that of the motion. One return of the map is made of ``returns`` returns to the section, each
-    of which may take ``PATIENCE`` times ``longest`` [s].
+    of which may take ``PATIENCE`` times ``longest`` [s]. Kernels know it as it is ``laid``.
     """
 
     automaton: Automaton
@@ -100,16 +99,13 @@ class Section:
 
     def __post_init__(self) -> None:
         """Lay the section."""
-        # least unit of a coordinate of the origin, relative to its size in the whole motion
-        self.unit = np.maximum(np.abs(self.origin), np.maximum(1e-6 * self.size, np.finfo(float).tiny))
-        surfaces = self.automaton.tables.surfaces
-        values = np.abs(surfaces[:, :-1] @ self.origin + surfaces[:, -1])
-        met = values <= flow_planar.ROUNDING * (np.abs(surfaces[:, :-1]) @ self.size + np.abs(surfaces[:, -1]))
-        n = self.origin.size
-        rows, tied, free = np.empty((3, n), dtype=np.int64)
-        directions = np.empty((n, n))
-        d = kernels.lay(surfaces, met, self.unit, rows, tied, free, directions)
+        tables, n = self.automaton.tables, self.origin.size
+        self.unit, free, directions = np.empty(n), np.empty(n, dtype=np.int64), np.empty((n, n))
+        d = kernels.lay(tables.surfaces, self.origin[None], self.size, self.unit, free, directions)
         self.dimension, self.free, self.directions = d, free[:d], directions[:, :d]
+        self.laid = kernels.Section(
+            *self.key, self.returns, PATIENCE * self.longest, d, self.origin, self.size, self.unit, free, directions
+        )
 
     def state(self, place: np.ndarray) -> np.ndarray:
         """Return the state (n) at y = ``place`` (d)."""
@@ -121,22 +117,16 @@ class Section:
 
     def come_back(self, state: np.ndarray) -> Motion | None:
         """Follow the motion from a state (n) of the section until it is back; None if it does not come back."""
-        motion, events, here = None, 0, state
-        for _ in range(self.returns):
-            try:
-                motion = follow(
-                    self.automaton, here, PATIENCE * self.longest,
-                    mode=self.key[1], stop=self.key, max_events=kernels.LONGEST,
-                    budget=Budget(_MOST_WORK),
-                )  # fmt: skip
-            except EngineError:
-                return None
-            if motion.status != Status.STOP_EVENT:
-                return None
-            here, events = motion.end_state, events + motion.time.size
-        if self.returns > 1:
-            motion = follow(self.automaton, state, math.inf, mode=self.key[1], max_events=events)
-        return motion
+        events, end = new_events(kernels.LONGEST, state.size), state.copy()
+        with lent(self.automaton) as (machine, tables):
+            count = kernels.come_back(machine, tables, self.laid, end, events, np.array([_MOST_WORK]))
+        if count == 0:
+            return None
+        own = Events(*(column[:count].copy() for column in events))
+        return Motion(
+            self.automaton, 0.0, self.key[1], state, *own,
+            status=Status.STOP_EVENT, end_time=float(own.time[-1]), end_mode=self.key[1], end_state=end,
+        )  # fmt: skip
 
     def derivative(self, orbit: Motion) -> Derivative:
         """Return P′ (d, d) along a motion that returns to the section, with the bound of its rounding."""
@@ -152,42 +142,15 @@ def solve(section: Section) -> tuple[Motion, float] | None:
     The residual is the change of the state over the period relative to ``section.size``; it is rounding, times the
     growth of neighbours over a period.
     """
-    place, best = np.zeros(section.dimension), None
-    step, halved = np.zeros(section.dimension), 0
-    for _ in range(40):  # steps; a start that Newton's method likes needs six
-        orbit = section.come_back(section.state(place))
-        if orbit is None or orbit.time.size == 0 or orbit.time[-1] == 0.0:
-            if not step.any() or halved == 8:
-                break
-            step, halved = 0.5 * step, halved + 1  # beyond what comes back: half the way, and half of that
-            place = place - step
-            continue
-        gap = section.place(orbit.end_state) - place
-        residual = float(np.max(np.abs(orbit.end_state - orbit.start_state) / section.size))
-        better = best is None or residual < best[1]
-        if better:
-            best = orbit, residual
-        if section.dimension == 0:
-            break
-        found = newton_step(np.eye(section.dimension) - section.derivative(orbit).matrix, gap)
-        if found is None or (not better and np.abs(found).max() < CLOSE):
-            break
-        step, halved = found, 0
-        place = place + step
-        if np.abs(step).max() <= AT_REST * max(1.0, float(np.abs(place).max())):
-            break
-    return best if best is not None and best[1] < CLOSE else None
-
-
-def newton_step(matrix: np.ndarray, gap: np.ndarray) -> np.ndarray | None:
-    """Return matrix⁻¹ gap; None if there is no derivative, so that the matrix is not finite, or if it is singular."""
-    if not (np.isfinite(matrix).all() and np.isfinite(gap).all()):
+    n, place = section.origin.size, np.empty(section.dimension)
+    state, slopes, events = np.empty(n), np.empty((n, n)), new_events(kernels.LONGEST, n)
+    with lent(section.automaton) as (machine, tables):
+        kernels.newton(machine, tables, section.laid, True, place, state, slopes, events, np.array([_MOST_WORK]))
+    orbit = section.come_back(state)
+    if orbit is None:
         return None
-    try:
-        step = np.linalg.solve(matrix, gap)
-    except np.linalg.LinAlgError:
-        return None
-    return step if np.isfinite(step).all() else None
+    residual = float(np.max(np.abs(orbit.end_state - state) / section.size))
+    return (orbit, residual) if residual < CLOSE else None
 
 
 def multipliers(section: Section, orbit: Motion, residual: float) -> tuple[np.ndarray, float]:

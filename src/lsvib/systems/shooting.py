@@ -24,7 +24,7 @@ from lsvib.systems.kernels.layout import GRAZE_KIND, Status
 from lsvib.systems.kernels.saltation import crossed_guard
 from lsvib.systems.machine import of_one_type
 from lsvib.systems.motion import Budget, Motion, enter, follow
-from lsvib.systems.section import AT_REST, CLOSE, derivative, newton_step
+from lsvib.systems.section import AT_REST, CLOSE, derivative
 
 _MOST_WORK = 100_000  # of a period, in events: a second under a friction law
 _ROUNDED = 1e-12  # change of a state over a period that is rounding, relative to the growth of neighbours
@@ -193,8 +193,11 @@ class Shooting:
                 if abs(done[-1]) > max(CLOSE, 0.1 * np.abs(done).max()):
                     slope = (gap - self.gap(before) - matrix[:, :-1] @ done[:-1])[:-1] / done[-1]
                     matrix[:-1, -1] = slope
-            step = newton_step(np.vstack([matrix, row]), -np.append(gap, row @ (z - guess)))
-            if step is None:
+            try:
+                step = np.linalg.solve(np.vstack([matrix, row]), -np.append(gap, row @ (z - guess)))
+            except np.linalg.LinAlgError:
+                return None
+            if not np.isfinite(step).all():  # there is no derivative
                 return None
             step[-1] = 0.0 if across is None else step[-1]  # to the last bit, so that no other system is made
             length = float(np.abs(step).max())

@@ -7,8 +7,8 @@ import numpy as np
 
 from lsvib.systems.kernels import event_loop, flow_taylor, machine, poincare_map, single_mode
 from lsvib.systems.kernels.jit import entry, kernel, on_stack
-from lsvib.systems.kernels.layout import CARRY, STEPS, TIME, Events, Now, Status, Until
-from lsvib.systems.kernels.poincare_map import NEAR, STEP, Verdict
+from lsvib.systems.kernels.layout import CARRY, TIME, Events, Now, Status, Until
+from lsvib.systems.kernels.poincare_map import NEAR, Section, Verdict
 from lsvib.systems.kernels.single_mode import Outcome
 
 FIRST = 16  # events after which a motion is asked whether it repeats, to rounding
@@ -171,8 +171,8 @@ def _period(engine, tables, facts, section, points, records, budget, found):
     It is CYCLE, SLIDES, or SPENT, which stands for nothing that is known.
     """
     n, d, step, size, events = section.size.size, section.dimension, section.returns, section.size, records.one
-    place, state, form, slopes = on_stack(d), on_stack(n), on_stack((d, d)), found.slopes[:d, :d]
-    count, lost = poincare_map.newton(engine, tables, section, place, state, slopes, events, budget)
+    place, state, form = on_stack(d), on_stack(n), on_stack((d, d))
+    count, lost = poincare_map.newton(engine, tables, section, False, place, state, found.slopes, events, budget)
     if count == 0:
         form[:] = 0.0
         for f in range(d):
@@ -184,7 +184,7 @@ def _period(engine, tables, facts, section, points, records, budget, found):
             found.notes[0]["mode"] = -1
             return Outcome.SLIDES
         return Outcome.SPENT
-    verdict = poincare_map.judge(poincare_map.growth(slopes, form), lost, facts.conserves)
+    verdict = poincare_map.judge(poincare_map.growth(found.slopes[:d, :d], form), lost, facts.conserves)
     if verdict == Verdict.NONE:
         return Outcome.SPENT
     away, reach, last = 0.0, 0.0, points.shape[0] - 1
@@ -216,7 +216,7 @@ def _period(engine, tables, facts, section, points, records, budget, found):
         return Outcome.SLIDES if nearer < farther and pushed == 0.0 else Outcome.SPENT
     returns, fewer = _fewer_returns(section, events, count, state)
     if fewer < count:
-        poincare_map.slopes_of(engine, tables, section, state, events, fewer, slopes)
+        poincare_map.slopes_of(engine, tables, section, state, events, fewer, found.slopes)
     found.notes[0]["kind"], found.notes[0]["mode"], found.notes[0]["returns"] = section.kind, section.mode, returns
     found.notes[0]["events"], found.notes[0]["dimension"] = fewer, d
     for i in range(n):
@@ -259,12 +259,13 @@ def _look(engine, tables, asked, mode, records, count, budget, found):
             break
     if seen < 2 or (not repeats and (seen < 4 or (count < CHUNK and asked.known.kind.size == 0))):
         return Outcome.SPENT
-    room = on_stack(n), on_stack(n), on_stack(n, np.int64), on_stack((n, n))
+    unit, free, directions = on_stack(n), on_stack(n, np.int64), on_stack((n, n))
+    d = poincare_map.lay(tables.surfaces, points[max(0, seen - 1 - _SOLVED) :], size, unit, free, directions)
+    kind, entered, origin = np.int64(kinds[key]), np.int64(modes[key]), points[seen - 1]
+    limit = 10.0 * longest  # time that a return may take
     for returns in range(1, nearest + 1):  # a slow cycle may seem to have a multiple of its returns
         if nearest % returns == 0 and (repeats or seen - 1 - returns > seen // 2):
-            watched = points[max(0, seen - 1 - _SOLVED) :]
-            limit = 10.0 * longest  # time that a return may take
-            section = poincare_map.section_through(tables, kinds[key], modes[key], returns, limit, watched, size, room)
+            section = Section(kind, entered, returns, limit, d, origin, size, unit, free, directions)
             outcome = _period(engine, tables, asked.facts, section, points, records, budget, found)
             if outcome != Outcome.SPENT:
                 return outcome
@@ -316,11 +317,9 @@ def end_of(engine, tables, asked, mode, state, records, found):
     while budget[0] > 0.0:
         for i in range(n):
             found.state[i] = state[i]
-        given = clock[STEPS] = budget[0] / STEP
         found.notes[0]["mode"] = mode
         part = event_loop.cut(events, 0, chunk)
-        status, mode, count = machine.run_at(engine.run, engine.inner, engine.room, tables, mode, now, until, part)
-        budget[0] -= count + (STEP * (given - clock[STEPS]) if clock[STEPS] < math.inf else 0.0)
+        status, mode, count = machine.run_within(engine, tables, mode, now, until, part, budget)
         found.notes[0]["left"] = budget[0]
         if found.notes[0]["first_event"] == event_loop.NO_KIND and count > 0:
             found.notes[0]["first_event"] = kinds[0]

@@ -5,6 +5,7 @@ place for each kind, of which two are empty; an entry below takes its own out. T
 its kind and holds nothing, so that the entries of all kinds are called alike.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -12,7 +13,9 @@ from numba import types
 
 from lsvib.systems.kernels import event_loop, flow_taylor, guard_sums, search_planar, single_mode
 from lsvib.systems.kernels.jit import by_address, by_kind, entry, kernel
-from lsvib.systems.kernels.layout import ModalFlow, Tables, TaylorFlow
+from lsvib.systems.kernels.layout import STEPS, ModalFlow, Tables, TaylorFlow
+
+STEP = 0.1  # cost of a step of the search for an event, in events
 
 
 class AnyFlow(NamedTuple):
@@ -83,3 +86,13 @@ def extremes(kind, inner, flow, modes, starts, durations, functionals):
 run_at = by_address(run, types.UniTuple(types.int64, 3))
 derivative_at = by_address(derivative, types.int64)
 extremes_at = by_address(extremes, types.UniTuple(types.float64, 2))
+
+
+@kernel
+def run_within(engine, tables, mode, now, until, events, budget):
+    """Follow a motion by a machine within a ``budget`` (1,), in events, which is counted down by what it takes."""
+    given = now.clock[STEPS] = max(budget[0], 0.0) / STEP
+    status, mode, count = run_at(engine.run, engine.inner, engine.room, tables, mode, now, until, events)
+    left = now.clock[STEPS]
+    budget[0] -= count + (STEP * (given - left) if left < math.inf else 0.0)
+    return status, mode, count

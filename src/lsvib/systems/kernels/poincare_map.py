@@ -15,15 +15,15 @@ import numpy as np
 from lsvib.systems.kernels.event_loop import cut
 from lsvib.systems.kernels.flow_planar import EPS, ROUNDING
 from lsvib.systems.kernels.jit import entry, kernel, merged_kernel, on_stack
-from lsvib.systems.kernels.layout import ACCUMULATION_KIND, CARRY, GRAZE_KIND, STEPS, TIME, Begin, Now, Status, Until
-from lsvib.systems.kernels.machine import run_at
+from lsvib.systems.kernels.layout import ACCUMULATION_KIND, CARRY, GRAZE_KIND, TIME, Begin, Now, Status, Until
+from lsvib.systems.kernels.machine import run_within
 from lsvib.systems.kernels.saltation import derivative
 
 LONGEST = 1024  # events in a period
-STEP = 0.1  # cost of a step of the search for an event, in events
 NEAR = 1e-6  # distance within which a motion has reached a fixed point, well above rounding even in a stiff contact
 _MARGINS = (1e-12, 2e-8)  # by which multipliers must lie inside the unit circle: the rounding of P′ between these
 ON_CIRCLE = 1e-6  # distance from the unit circle of multipliers on it: defective ones scatter by the root of 1e-12
+_TINY = 2.2250738585072014e-308  # the smallest normal number
 _PARTS = 8  # most of the way to a fixed point, at the starts of which the events of a return are compared
 
 
@@ -97,21 +97,28 @@ def rarest_event(tables, kinds, modes, after, size):
 
 
 @entry
-def lay(surfaces, met, unit, rows, tied, free, directions):
-    """Lay a section on the surfaces that are ``met`` (s, bool), with full pivoting in ``unit`` (n).
+def lay(surfaces, points, size, unit, free, directions):
+    """Lay the section on which ``points`` (k, n) of a motion of a ``size`` (n) lie; the last one is its origin.
 
-    Filled are: rows, tied (n), the surfaces that count and the coordinate that each determines; free (n), the others;
-    directions (n, n), how the state changes with each free coordinate. Returns how many are free.
+    A point may lie on one more surface by chance; those that all points meet count. Filled are unit (n); free (n), the
+    coordinates that the surfaces leave, with full pivoting in this unit; directions (n, n), how the state changes with
+    each of them. Returns how many are free.
     """
-    n, count, rank, d = unit.size, surfaces.shape[0], 0, 0
+    n, count, rank, d = size.size, surfaces.shape[0], 0, 0
+    rows, tied = on_stack(n, np.int64), on_stack(n, np.int64)  # surfaces that count, what each of them determines
     table, used = on_stack((count, n)), on_stack(count + n, np.bool_)
     used[:] = False
+    for i in range(n):
+        # least unit of a coordinate of the origin, relative to its size in the whole motion
+        unit[i] = max(abs(points[points.shape[0] - 1, i]), 1e-6 * size[i], _TINY)
     for s in range(count):
-        length = 0.0
+        met, length = True, 0.0
+        for k in range(points.shape[0]):
+            met = met and meets(surfaces[s], points[k], size)
         for i in range(n):
             length = max(length, abs(surfaces[s, i]) * unit[i])
         for i in range(n):
-            table[s, i] = surfaces[s, i] * unit[i] / length if met[s] and length > 0.0 else 0.0
+            table[s, i] = surfaces[s, i] * unit[i] / length if met and length > 0.0 else 0.0
     while rank < n:
         largest, row, column = 1e-9, -1, -1  # relative pivot below which surfaces count as one
         for s in range(count):
@@ -140,28 +147,7 @@ def lay(surfaces, met, unit, rows, tied, free, directions):
     return d
 
 
-@kernel
-def section_through(tables, kind, mode, returns, limit, points, size, room):
-    """Return the section on which ``points`` (k, n) of a motion of a ``size`` (n) lie; the last one is its origin.
-
-    A point may lie on one more surface by chance; those that all points meet count. ``room`` for the section's arrays.
-    """
-    n, count = size.size, tables.surfaces.shape[0]
-    met, rows, tied = on_stack(count, np.bool_), on_stack(n, np.int64), on_stack(n, np.int64)
-    origin, unit, free, directions = room
-    for s in range(count):
-        met[s] = True
-        for k in range(points.shape[0]):
-            met[s] = met[s] and meets(tables.surfaces[s], points[k], size)
-    for i in range(n):
-        origin[i] = points[points.shape[0] - 1, i]
-        # least unit of a coordinate of the origin, relative to its size in the whole motion
-        unit[i] = max(abs(origin[i]), 1e-6 * size[i])
-    d = lay(tables.surfaces, met, unit, rows, tied, free, directions)
-    return Section(np.int64(kind), np.int64(mode), returns, limit, d, origin, size, unit, free, directions)
-
-
-@kernel
+@entry
 def come_back(engine, tables, section, state, events, budget):
     """Follow a period from ``state`` (n), replaced by its end; returns the number of its events, 0 if there is none.
 
@@ -171,17 +157,14 @@ def come_back(engine, tables, section, state, events, budget):
     clock[:] = 0.0
     for i in range(state.size):
         scale[i] = abs(state[i])
-    given = clock[STEPS] = max(budget[0], 0.0) / STEP
     now = Now(state, scale, clock)
     for _ in range(section.returns):
         until = Until(clock[TIME] + clock[CARRY] + section.limit, section.kind, section.mode)
-        part = cut(events, count, events.time.size)
-        status, here, more = run_at(engine.run, engine.inner, engine.room, tables, here, now, until, part)
+        status, here, more = run_within(engine, tables, here, now, until, cut(events, count, events.time.size), budget)
         count += more
         back = status == Status.STOP_EVENT
         if not back:
             break
-    budget[0] -= count + (STEP * (given - clock[STEPS]) if clock[STEPS] < math.inf else 0.0)
     return count if back and math.isfinite(clock[TIME] + clock[CARRY]) and events.time[0] > 0.0 else 0
 
 
@@ -224,7 +207,7 @@ def _solve(matrix, vector):
 
 @kernel
 def slopes_of(engine, tables, section, state, events, count, slopes):
-    """Write P′ (d, d) along a period of so many events from ``state`` (n).
+    """Write P′ (d, d) along a period of so many events from ``state`` (n) to ``slopes`` (n, n).
 
     Returns the size of its rounding, not finite without P′.
     """
@@ -242,25 +225,32 @@ def slopes_of(engine, tables, section, state, events, count, slopes):
     return size
 
 
-@merged_kernel
-def newton(engine, tables, section, place, state, slopes, events, budget):
+@entry
+def newton(engine, tables, section, patient, place, state, slopes, events, budget):
     """Solve P(y) = y from the origin by Newton's method: ``place`` (d), ``state`` (n), P′ and the period of it.
 
     Steps are taken until they no longer shrink, which is rounding. Returns the number of events of the period, 0
-    without success, and the size of the rounding of P′.
+    without success, and the size of the rounding of P′. A ``patient`` search, of cycles that no motion tends to, halves
+    steps beyond what comes back and goes on where they grow; whether it closes is for the caller to see.
     """
-    d, last = section.dimension, math.inf
+    d, last, halved = section.dimension, math.inf, 0
     matrix, gap, end, lost = on_stack((d, d)), on_stack(d), on_stack(state.size), 0.0
     for f in range(d):
-        place[f] = 0.0
-    for _ in range(16):  # steps at most; each doubles the digits
+        place[f] = gap[f] = 0.0
+    for _ in range(40 if patient else 16):  # steps at most; each doubles the digits
         put(section, 1.0, place, state)
         for i in range(state.size):
             end[i] = state[i]
         count = come_back(engine, tables, section, end, events, budget)
+        if count == 0 and patient and last < math.inf and halved < 8:
+            for f in range(d):
+                gap[f] *= 0.5
+                place[f] -= gap[f]
+            halved += 1
+            continue
         if count == 0 or d == 0:
             return count, 0.0
-        budget[0] -= count
+        budget[0] -= count  # for P′, which takes about as much as ordinary events
         lost = slopes_of(engine, tables, section, state, events, count, slopes)
         for f in range(d):
             i = section.free[f]
@@ -268,15 +258,15 @@ def newton(engine, tables, section, place, state, slopes, events, budget):
             for g in range(d):
                 matrix[f, g] = (1.0 if f == g else 0.0) - slopes[f, g]
         if not (lost < math.inf and _solve(matrix, gap)):
-            return 0, lost
+            return count if patient else 0, lost
         length, far = 0.0, 1.0
         for f in range(d):
             length, far = max(length, abs(gap[f])), max(far, abs(place[f]))
         if length <= 4.0 * EPS * far or (length >= 0.5 * last and last <= NEAR):
             return count, lost
-        if not length < last:
+        if not (length < last or patient):
             return 0, lost
-        last = length
+        last, halved = length, 0
         for f in range(d):
             place[f] += gap[f]
     return 0, lost
