@@ -94,7 +94,7 @@ def one_after_the_other(pieces: Sequence[tuple[Mapping[str, Any], float]]) -> di
         whole["surfaces"] |= {f"{name} {k}": surface for name, surface in layout["surfaces"].items()}
         for name, transition in layout["transitions"].items():
             if k == 0 or name != "entry":
-                branches = tuple(replace(branch, mode=f"{branch.mode} {k}") for branch in transition.branches)
+                branches = tuple(branch._replace(mode=f"{branch.mode} {k}") for branch in transition.branches)
                 whole["transitions"][f"{name} {k}"] = replace(transition, branches=branches)
         if ends := duration < np.inf:
             whole["surfaces"][f"end {k}"] = Surface((*(0 for _ in range(n - 1)), -1, duration), n - 1)

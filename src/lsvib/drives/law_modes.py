@@ -116,7 +116,7 @@ class LawModes(Modes):
             # distance: here it is below rounding. Nearer to it, the rounding of Γ₊ itself makes steps short.
             self._bound(modes, plus_name, f"jam_{where}", d, low * (1 + 3e-9), 1, f"contact_{minus}")
             above = self.surfaces[f"jam_{where}"].row, Test.POSITIVE
-            starts.append(Branch(plus_name, Event.RELEASE, (above, *self._carries(d, d, ()))))
+            starts.append(Branch(plus_name, Event.RELEASE, (above, *self._carries(*self._known((d, -d, ())))[d])))
             starts.append(Branch(fast, Event.RELEASE, (above,)))
         self.transitions["entry"] = Transition((*starts, *self.transitions["entry"].branches))
         return found

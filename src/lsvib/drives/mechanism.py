@@ -39,7 +39,7 @@ drive, or arrays of many.
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from itertools import chain
 from typing import Any
 
@@ -47,7 +47,7 @@ import numpy as np
 
 from lsvib.drives import friction, mechanics
 from lsvib.drives.drive import PARTS, Drive
-from lsvib.drives.mechanics import plus, solved, together
+from lsvib.drives.mechanics import Equation, plus, solved, together
 from lsvib.drives.names import BODIES, CLOCK, COORDINATES, Ways, own_frictions, sides_of_rest
 from lsvib.systems.automaton import scaled
 from lsvib.systems.exact.arithmetic import Row, added, double, doubles, many_digits, nothing, root, sign
@@ -93,6 +93,7 @@ class Mechanism:
         self.parts = tuple(part for part in COORDINATES if part == "screw" or part in parts)
         self.states = tuple(chain.from_iterable(COORDINATES[part] for part in self.parts))
         self.states += (CLOCK,) if command else ()
+        self._zeros = (0,) * len(self.states)
         self.place = {part: 2 * k for k, part in enumerate(self.parts)}
         self.compliant = "threads" in parts
         self.bodies = [part for part in self.parts if part in BODIES]
@@ -104,9 +105,8 @@ class Mechanism:
         self.tied = tuple(name for name in self.limits if name not in self.own)
         self.sides = sides_of_rest(self.parts)
         self.reach = d.pitch_radius * d.tan_lead
-        self.commanded = self.constant(d.input_speed)
-        if command:
-            self.commanded = (*(0 for _ in self.states[1:]), command[1], command[0])
+        self._bodies = cache(self._equations)
+        self.commanded = (*self._zeros[1:], command[1], command[0]) if command else self.constant(d.input_speed)
         # rest then holds as much as slow sliding carries
         self.same = not any(map(sign, (d.static_friction_coefficient, *static.values())))
         of_law = (getattr(d, name) for name in friction.OF_SPEED)
@@ -125,6 +125,7 @@ class Mechanism:
         # torque of the threads, which do not slip where the drive is let go
         self.twist = d.pitch_radius * xi[self.steady_law] * self.force if self.turning else 0
         self.steady_torque = self.braked["screw"] + self.twist
+        self._carried = {"contact": self.force, "torque": self.twist}
         self.deflection = self.unit(0, -self.steady_torque / d.coupling_stiffness)
         if "motor" in self.parts:
             self.deflection = plus(self.deflection, scaled(self.unit(self.place["motor"]), -1))
@@ -132,6 +133,7 @@ class Mechanism:
         self.away = plus(self.speed, scaled(self.commanded, -1))  # u′
         rates = self.rates(True, ())
         self.slip, self.nut_speed = self._slip(rates), self._travel(rates)
+        self.coupling_torque = plus(self.wound(rates), self.constant(self.steady_torque))
 
     @property
     def dampers(self) -> list[str]:
@@ -140,11 +142,11 @@ class Mechanism:
 
     def constant(self, value: Any) -> Row:
         """Return the row of a constant."""
-        return (*(0 for _ in self.states), value)
+        return (*self._zeros, value)
 
     def unit(self, place: int, value: Any = 0) -> Row:
         """Return the row of a coordinate, and a constant."""
-        return (*(int(k == place) for k in range(len(self.states))), value)
+        return (*self._zeros[:place], 1, *self._zeros[place + 1 :], value)
 
     @cached_property
     def sizes(self) -> tuple[Any, ...]:
@@ -228,16 +230,26 @@ class Mechanism:
 
     def solve(self, direction: int, law: int, ways: Ways = (), mu: Any = None) -> Solution:
         """Solve Newton's laws in slip in a direction (0: rest) under a law; ``mu``: see :meth:`lever`."""
-        d, law, going = self.d, direction and law, dict(zip(self.own, ways, strict=True))
+        law, (rates, held, bodies) = direction and law, self._bodies(direction, ways)
+        threads: list[Equation] = [
+            (ties, plus(row, self.constant(added(*(-x * self._carried.get(name, 0) for name, x in ties.items())))))
+            for ties, row in self._threads(law, mu, rates)
+        ]
+        # At rest screw and nut are one first, so that what they give to x″ cancels to the last bit.
+        equations = [*bodies, *threads] if direction else [*threads, *bodies]
+        equations += [({"screw": 1} if name == "bearing" else self._moved, self.constant(0)) for name in held]
+        return self._solution(law, mu, rates, solved(equations), held)
+
+    def _equations(self, direction: int, ways: Ways) -> tuple[Mapping[str, Row], list[str], list[Equation]]:
+        """Return rates, what is held, and equations of the bodies: less those of steady sliding, so nothing cancels."""
+        d, going = self.d, dict(zip(self.own, ways, strict=True))
         held = [name for name, way in going.items() if way == 0]
         going |= dict.fromkeys(self.tied, direction)  # at rest the shares of threads and ground are not determined
         rates = self.rates(bool(direction), held)
         travel = self.constant(0) if "slide" in held else self._travel(rates)
-        moved = self._moved()
-        # Solved for what differs from steady sliding, whose forces are in balance, so that nothing cancels.
-        turned = plus(self.coupling_torque(rates), self.constant(-self.steady_torque))
+        wound = self.wound(rates)
         rows = {
-            "screw": [turned, self.constant(self.braked["screw"]), scaled(rates["screw"], -d.support_damping)],
+            "screw": [wound, self.constant(self.braked["screw"]), scaled(rates["screw"], -d.support_damping)],
             "load": [self.constant(self.braked["load"]), scaled(travel, -d.translation_damping)],
         }
         for name, way in going.items():
@@ -247,39 +259,32 @@ class Mechanism:
             if BODIES[part].on == "screw":
                 rows["screw"].append(scaled(rows[part][0], -1))
             if part == "motor":
-                rows[part].append(scaled(turned, -1))
-        left = self._inertias(moved)
-        left["screw"] |= {name: 1 for name in held if name == "bearing"}
-        left["load"] |= {name: 1 for name in held if name == "slide"}
-        bodies: list[tuple[Mapping[str, Any], Row]] = [(left[body], plus(*rows[body])) for body in left]
-        steady = {"contact": self.force, "torque": self.twist}
-        threads: list[tuple[Mapping[str, Any], Row]] = [
-            (ties, plus(row, *(self.constant(-x * steady.get(name, 0)) for name, x in ties.items())))
-            for ties, row in self._threads(law, mu, rates)
-        ]
-        # At rest screw and nut are one first, so that what they give to x″ cancels to the last bit.
-        equations = [*bodies, *threads] if direction else [*threads, *bodies]
-        equations += [({"screw": 1} if name == "bearing" else moved, self.constant(0)) for name in held]
-        return self._solution(law, mu, rates, solved(equations), held)
+                rows[part].append(scaled(wound, -1))
+        left = dict(self._inertias)
+        left["screw"] = left["screw"] | {name: 1 for name in held if name == "bearing"}
+        left["load"] = left["load"] | {name: 1 for name in held if name == "slide"}
+        return rates, held, [(left[body], plus(*rows[body])) for body in left]
 
-    def coupling_torque(self, rates: Mapping[str, Row]) -> Row:
-        """Return the row of the torque that the coupling gives to the screw, −k z − d z′."""
-        torque = scaled(self.deflection, -self.d.coupling_stiffness)
+    def wound(self, rates: Mapping[str, Row]) -> Row:
+        """Return the row of the torque that the coupling gives to the screw, −k z − d z′, less ``steady_torque``."""
+        torque = scaled((*self.deflection[:-1], 0), -self.d.coupling_stiffness)
         if "motor" in self.parts and sign(self.d.coupling_damping):
             turning = plus(rates["screw"], scaled(self.commanded, -1), scaled(rates["motor"], -1))
             torque = plus(torque, scaled(turning, -self.d.coupling_damping))
         return torque
 
+    @cached_property
     def _moved(self) -> dict[str, Any]:
         """What x″ is made of: the accelerations of the parts by their shares."""
         turns = {"nut": -self.reach} if "nut" in self.parts else {}
         return {"screw": self.reach, **turns, **dict.fromkeys(self.sliders, 1)}
 
-    def _inertias(self, moved: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+    @cached_property
+    def _inertias(self) -> dict[str, dict[str, Any]]:
         """What stands on the left of the equation of each body: its inertia by its acceleration, the threads' force."""
         d = self.d
         left = {"screw": {"screw": d.screw_inertia, "torque": 1}}
-        left["load"] = {part: d.mass * x for part, x in moved.items()} | {"contact": 1}
+        left["load"] = {part: d.mass * x for part, x in self._moved.items()} | {"contact": 1}
         for part in self.bodies:
             pushed = {BODIES[part].pushed: -1} if BODIES[part].pushed else {}
             left[part] = {part: getattr(d, PARTS[part][0])} | pushed
@@ -341,10 +346,11 @@ class Mechanism:
         """
         law = direction * side
         if not side:
-            static = self._braked(direction, self.holding, self.xi_rest)
-            slow = {s: self._factor(self.slowest, s) for s in (1, -1)}
-            sliding = self._braked(direction, self.limits, slow)
-            most = static if self.same or sign(added(static, -sliding)) >= 0 else sliding
+            most = self._braked(direction, self.holding, self.xi_rest)
+            if not self.same:
+                slow = {s: self._factor(self.slowest, s) for s in (1, -1)}
+                sliding = self._braked(direction, self.limits, slow)
+                most = most if sign(added(most, -sliding)) >= 0 else sliding
             return plus(scaled(rest.torque, -direction), self.constant(most))
         torque = plus(rest.torque, self.constant(self.twist))
         threads = plus(scaled(rest.contact, self.d.pitch_radius * self.xi_rest[law]), scaled(torque, -1))
@@ -388,7 +394,7 @@ class Mechanism:
         The friction factor that they take, I_eff / (m_eff r_m² tan λ), is not larger than ξ₊ where Γ₊ ≤ 0.
         """
         zero = self.constant(0)
-        equations = [(left, zero) for left in self._inertias(self._moved()).values()]
+        equations = [(left, zero) for left in self._inertias.values()]
         equations.append(({"screw": 1} | ({"nut": -1} if "nut" in self.parts else {}), scaled(self.slip, -1)))
         jumps, rates = solved(equations), self.rates(True, ())
         return self._reset({part: plus(rates[part], jumps[part]) for part in self.parts})

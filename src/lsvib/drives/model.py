@@ -16,7 +16,7 @@ import numpy as np
 from lsvib.drives import observables, thresholds
 from lsvib.drives.drive import DRY, PARTS, Drive
 from lsvib.drives.mechanism import seated_state, standing_state
-from lsvib.drives.names import COORDINATES, Event, mode_names, own_frictions, sides_of_rest
+from lsvib.drives.names import COORDINATES, Event, codes_of, own_frictions, sides_of_rest
 from lsvib.errors import InputError
 
 if TYPE_CHECKING:  # a scene can be read and refused without the engine
@@ -74,9 +74,8 @@ class Model:
     @cached_property
     def modes(self) -> type[IntEnum]:
         """The codes of modes."""
-        names = mode_names(own_frictions(self.parts, self.dry), sides_of_rest(self.parts))
-        codes = {name.upper(): code for code, name in enumerate(names)}
-        return cast(type[IntEnum], IntEnum("MotionMode", codes))
+        codes = codes_of(own_frictions(self.parts, self.dry), sides_of_rest(self.parts))
+        return cast(type[IntEnum], IntEnum("MotionMode", {name.upper(): code for name, code in codes.items()}))
 
     def from_rest(self, drive: Drive) -> dict[str, float]:
         """Return the start at which the screw stands with the coupling relaxed while the motor begins to turn at Ω."""

@@ -35,7 +35,7 @@ and is released to the other side.
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from functools import cache
+from functools import cache, reduce
 from itertools import chain, product
 from typing import Any
 
@@ -44,7 +44,7 @@ import numpy as np
 from lsvib.drives import observables
 from lsvib.drives.mechanics import plus, rate_of
 from lsvib.drives.mechanism import Mechanism, Solution
-from lsvib.drives.names import DIRECTIONS, HOLDS, HOW, SIGNS, Event, Key, Resume, Ways, mode_name, mode_names
+from lsvib.drives.names import DIRECTIONS, EVENTS, HOLDS, HOW, SIGNS, Event, Key, Resume, Ways, codes_of, mode_name
 from lsvib.errors import InputError
 from lsvib.systems.automaton import SHORT_STAY, Automaton, Branch, Guard, Mode, Surface, Transition, assemble, scaled
 from lsvib.systems.exact.arithmetic import Row, added, double, place_of_largest, sign
@@ -71,7 +71,7 @@ class Modes:
         self.resume = resume
         ahead = m.turning or 1
         self.both = ahead, -ahead  # so that guards of the mirrored drive come in the same order
-        self.codes = {name: code for code, name in enumerate(mode_names(m.own, m.sides))}
+        self.codes = codes_of(m.own, m.sides)
         self.low, self.high = self._speeds_without_paradox()  # [m/s]
         self.paradox = sign(self.low) > 0
         self.seizes = self.paradox and not m.compliant
@@ -83,10 +83,12 @@ class Modes:
         self.rests = [(0, side, ways) for side in m.sides for ways in self.ways]
         self.surfaces: dict[str, Surface] = {}
         self.transitions: dict[str, Transition] = {}
-        self._flows: dict[tuple[int, int, Ways], Any] = {}
-        self._solve, self._left = cache(m.solve), cache(self._friction_left)
+        self._solved = cache(m.solve)
+        self._flows = cache(lambda *known: self._flow(self._solved(*known)))
+        self._seen = cache(lambda *known: observables.rows(m, self._solved(*known)))
+        self._left = cache(lambda ways, d, side: m.left(self.solution((0, side, ways)), d, side))
         self._carries, self._agrees = cache(self._signed), cache(self._stays)
-        self._changes = cache(self._gauge_and_rates)
+        self._speeds = {"slip": m.slip, "slide": m.nut_speed, "bearing": m.speed}
         self.planar = len(m.states) == 2 and not self.in_series
         self.corner = self._corner() if self.planar and m.turning else None
 
@@ -147,7 +149,7 @@ class Modes:
 
     def solution(self, key: Key) -> Solution:
         """Return what Newton's laws say in a mode."""
-        return self._solve(*self._known(key))
+        return self._solved(*self._known(key))
 
     def _known(self, key: Key) -> tuple[int, int, Ways]:
         """What Newton's laws depend on: direction of slip, which only friction against the ground feels, law, ways."""
@@ -155,7 +157,7 @@ class Modes:
         return (d if self.m.limits else abs(d)), d * q, ways
 
     def gauge(self, d: int, ways: Ways) -> Row:
-        """Return a row that has the sign of n in slip in a direction, whatever the law: N, or n under law −1."""
+        """Return a row that has the sign of n at rest or in slip in a direction, whatever the law: N, or n under −1."""
         found = self.solution((d, -d, ways))
         return found.normal if self.m.compliant else found.contact
 
@@ -181,8 +183,7 @@ class Modes:
         keys = [*self.slips, *self.rests]
         guards = {key: self._slip_guards(key) if key[0] else self._rest_guards(key) for key in keys}
         modes = {self.name(key): self._mode(key, guards[key]) for key in keys}
-        observed = cache(lambda *known: observables.rows(m, self._solve(*known)))
-        seen = {self.name(key): observed(*self._known(key)) for key in keys}
+        seen = {self.name(key): self._seen(*self._known(key)) for key in keys}
         parts = self._parts(modes, seen)
         moving = [self.name(key) for key in (self.slips if self.planar else keys)]
         scales = [0.0] if m.compliant else [x for name in moving for x in modes[name].flow.time_scales]
@@ -198,8 +199,8 @@ class Modes:
             transitions=self.transitions,
             observables={name: {mode: rows[name] for mode, rows in seen.items()} for name in observables.TABLE},
             parts=parts,
-            shortest_stay=SHORT_STAY * np.minimum.reduce(np.broadcast_arrays(*scales)),
-            events={int(event): event.name.lower() for event in Event},
+            shortest_stay=SHORT_STAY * reduce(np.minimum, scales),
+            events=EVENTS,
             marks=marks,
             stands=not m.turning,
             passive=not m.compliant,
@@ -207,11 +208,8 @@ class Modes:
         )
 
     def _mode(self, key: Key, guards: tuple[Guard, ...]) -> Mode:
-        known = self._known(key)
-        if known not in self._flows:
-            self._flows[known] = self._flow(self.solution(key))
         beyond = "rest" if self.corner or (self.planar and self.seizes and key[0]) else None
-        return Mode(self.codes[self.name(key)], self._flows[known], guards, beyond)
+        return Mode(self.codes[self.name(key)], self._flows(*self._known(key)), guards, beyond)
 
     def _flow(self, found: Solution) -> Any:
         """Return the flow of a mode; with a clock its rates of zero are a chain, which has no modal form."""
@@ -234,9 +232,10 @@ class Modes:
 
         The rounding of another one would be amplified by the ratio of their effects.
         """
-        if snap is None:
-            snap = place_of_largest([abs(double(x)) * size for x, size in zip(row, self.m.sizes, strict=False)])
-        self.surfaces[surface] = Surface(row, snap)
+        if surface not in self.surfaces:
+            if snap is None:
+                snap = place_of_largest([abs(double(x)) * size for x, size in zip(row, self.m.sizes, strict=False)])
+            self.surfaces[surface] = Surface(row, snap)
         return Guard(surface, side, transition)
 
     def _slip_guards(self, key: Key) -> tuple[Guard, ...]:
@@ -255,7 +254,8 @@ class Modes:
         else:
             turned = Branch(self.name((d, -q, ways)), Event.CONTACT_REVERSAL, sign=-q)
             self.transitions[f"contact_{here}"] = Transition((turned,))
-        return self._guard(f"contact_{DIRECTIONS[d]}{self._suffix(ways)}", self.gauge(d, ways), q, f"contact_{here}")
+        surface = f"contact_{DIRECTIONS[self._known(key)[0]]}{self._suffix(ways)}"
+        return self._guard(surface, self.gauge(d, ways), q, f"contact_{here}")
 
     def _held_in(self, ways: Ways) -> list[str]:
         """Return the dry frictions that hold their bodies."""
@@ -276,7 +276,7 @@ class Modes:
             turned = Branch(self.name((0, -side, ways)), Event.CONTACT_REVERSAL, sign=-side)
             self.transitions[f"contact_{here}"] = Transition((turned,))
             surface = f"contact_rest{self._suffix(ways)}"
-            guards.append(self._guard(surface, self._at_rest(ways), side, f"contact_{here}"))
+            guards.append(self._guard(surface, self.gauge(0, ways), side, f"contact_{here}"))
         return (*guards, *self._body_guards(key))
 
     def _release(self, key: Key, last: str, onward: int, alone: Key) -> str:
@@ -293,15 +293,6 @@ class Modes:
             self.transitions[name] = Transition(tuple(branches), reset=reset)
         return name
 
-    def _friction_left(self, ways: Ways, d: int, side: int) -> Row:
-        """Static friction [N m] that is left to keep the threads from slipping in a direction."""
-        return self.m.left(self.solution((0, side, ways)), d, side)
-
-    def _at_rest(self, ways: Ways) -> Row:
-        """Return the row whose sign is the side of rest."""
-        found = self.solution((0, 1, ways))
-        return found.normal if self.m.compliant else found.contact
-
     def _body_guards(self, key: Key) -> Iterator[Guard]:
         """Guards of the bodies: the speed of one that slides, both ends of the friction of one that is held."""
         (d, q, ways), here, m = key, self.name(key), self.m
@@ -311,14 +302,11 @@ class Modes:
                 if name not in self.transitions:
                     self.transitions[name] = self._stop(body, d, ways)
                 snap = m.place[m.sliders[0]] + 1 if body == "slide" else 1
-                yield self._guard(f"{body}_speed", self._body_speed(body), way, name, snap)
+                yield self._guard(f"{body}_speed", self._speeds[body], way, name, snap)
                 continue
             for onward in self.both:
                 name = self._release(key, body, onward, (d, q, (*ways[:k], onward, *ways[k + 1 :])))
                 yield self._guard(f"{body}_hold_{DIRECTIONS[onward]}_{here}", self._room(key, body, onward), 1, name)
-
-    def _body_speed(self, body: str) -> Row:
-        return self.m.nut_speed if body == "slide" else self.m.speed
 
     def _room(self, key: Key, body: str, way: int) -> Row:
         """Friction that is left to keep a body from sliding one way."""
@@ -394,33 +382,28 @@ class Modes:
         way, *bodies = now.values()
         ways = tuple(bodies)
         if way:
-            return [((way, q, ways), () if self.m.idle else self._carries(way, q, ways)) for q in self.signs]
-        row = self._at_rest(ways)
+            carries = {} if self.m.idle else self._carries(*self._known((way, -way, ways)))
+            return [((way, q, ways), carries.get(q, ())) for q in self.signs]
+        row = self.gauge(0, ways)
         signed = {side: ((scaled(row, side), Test.NOT_NEGATIVE),) if side else () for side in self.m.sides}
         return [((0, side, ways), conditions) for side, conditions in signed.items()]
 
-    def _signed(self, d: int, q: int, ways: Ways) -> tuple[Side, ...]:
-        """Conditions under which n has the sign q in slip, now or – if it is zero – at once, by its rates.
+    def _signed(self, d: int, law: int, ways: Ways) -> dict[int, tuple[Side, ...]]:
+        """Conditions under which n has a sign in slip, by that sign, now or – if it is zero – at once, by its rates.
 
         On n = 0 the first derivative that is not zero is the same under both laws, with any coefficient.
         """
-        rows = [scaled(row, q) for row in self._changes(*self._known((d, -d, ways)))]
-        return tuple(zip(rows, (Test.LEADS, Test.LEADS, Test.POSITIVE if q > 0 else Test.NOT_NEGATIVE), strict=True))
-
-    def _gauge_and_rates(self, *known: Any) -> tuple[Row, Row, Row]:
-        """The gauge of n with its first two rates, under law −1."""
-        found = self._solve(*known)
-        row = found.normal if self.m.compliant else found.contact
-        rate = rate_of(row, found.field)
-        return row, rate, rate_of(rate, found.field)
+        row, field = self.gauge(d, ways), self._solved(d, law, ways).field
+        rate, last = rate_of(row, field), {1: Test.POSITIVE, -1: Test.NOT_NEGATIVE}
+        leads, second = ((row, Test.LEADS), (rate, Test.LEADS)), rate_of(rate, field)
+        return {q: tuple((scaled(x, q), test) for x, test in (*leads, (second, last[q]))) for q in SIGNS}
 
     def _stays(self, name: str, key: Key) -> tuple[Side, ...]:
         """Conditions under which the threads (``slip``) or a body that stood stay, or begin to move, as a mode says."""
-        (d, _, ways), field = key, self.solution(key).field
-        way = dict(zip(("slip", *self.m.own), (d, *ways), strict=True))[name]
+        way = key[0] if name == "slip" else key[2][self.m.own.index(name)]
         if way:
-            speed = self.m.slip if name == "slip" else self._body_speed(name)
-            return self._now_or_next(scaled(rate_of(speed, field), way), key, Test.POSITIVE)
+            started = scaled(rate_of(self._speeds[name], self.solution(key).field), way)
+            return self._now_or_next(started, key, Test.POSITIVE)
         rows = [self._spare(name, key, onward) for onward in DIRECTIONS]
         return tuple(chain.from_iterable(self._now_or_next(row, key, Test.NOT_NEGATIVE) for row in rows))
 
@@ -461,10 +444,10 @@ class Modes:
                 continue
             for ways in self.ways:
                 going = [(body, way) for body, way in zip(m.own, ways, strict=True) if way]
-                moving = [(scaled(self._body_speed(body), way), Test.POSITIVE) for body, way in going]
+                moving = [(scaled(self._speeds[body], way), Test.POSITIVE) for body, way in going]
                 for branch in self._outcomes(d, ways):
-                    kind = Event.RELEASE if d else branch.kind
-                    yield replace(branch, kind=kind, conditions=(*slips, *moving, *branch.conditions))
+                    conditions = (*slips, *moving, *branch.conditions)
+                    yield Branch(branch.mode, Event.RELEASE if d else branch.kind, conditions)
 
 
 def size_of(value: Any) -> float:

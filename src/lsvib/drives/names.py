@@ -1,6 +1,6 @@
 """What the parts of a drive, its modes and its events are called, in automata, datasets and starts."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import IntEnum
 from functools import cache
@@ -87,6 +87,9 @@ class Event(IntEnum):
     COMMAND = FIRST_MODEL_KIND + 12  # the commanded speed begins to change otherwise
 
 
+EVENTS = {int(event): event.name.lower() for event in Event}  # their names in datasets
+
+
 def sides_of_rest(parts: Iterable[str]) -> tuple[int, ...]:
     """Return the signs that n may have at rest, 0 alone where it is constant there: the load stands."""
     return (1, -1) if {"support", "threads"} & set(parts) else (0,)
@@ -99,12 +102,13 @@ def own_frictions(parts: Iterable[str], dry: Iterable[str]) -> tuple[str, ...]:
     return tuple(name for name, needs in free.items() if name in rubs and needs & set(parts))
 
 
-def mode_names(own: tuple[str, ...], sides: tuple[int, ...]) -> Iterator[str]:
-    """Yield the names of modes in the order of their codes; arguments: see :class:`Mechanism`."""
+@cache
+def codes_of(own: tuple[str, ...], sides: tuple[int, ...]) -> dict[str, int]:
+    """Return the codes of modes by name; arguments: see :class:`Mechanism`."""
     plain = [(d, q) for d in DIRECTIONS for q in SIGNS] + [(0, side) for side in sides]
-    yield from (mode_name((*mode, ()), ()) for mode in plain)
-    for ways in product(HOW, repeat=len(own)) if own else ():
-        yield from (mode_name((*mode, ways), own) for mode in plain)
+    every: list[Ways] = [(), *(product(HOW, repeat=len(own)) if own else ())]
+    names = (mode_name((*mode, ways), own if ways else ()) for ways in every for mode in plain)
+    return {name: code for code, name in enumerate(names)}
 
 
 @cache
@@ -118,6 +122,6 @@ def mode_name(key: Key, own: tuple[str, ...]) -> str:
 def is_under_law_plus(code: int) -> bool:
     """Whether compliant threads slip under law s = +1 in the mode of a code: forward, n > 0, or backward, n < 0.
 
-    Each way of the bodies has six modes in one order, see :func:`mode_names`.
+    Each way of the bodies has six modes in one order, see :func:`codes_of`.
     """
     return code % 6 in (0, 3)

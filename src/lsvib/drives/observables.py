@@ -30,9 +30,7 @@ TABLE = {
     "axial_contact_force": Observable(
         ("axial force that the threads carry", "N", "$n$"), lambda _, mode: mode.contact, rubbed=True, rigid=False
     ),
-    "coupling_torque": Observable(
-        ("torque of the coupling", "N m", "$T_r$"), lambda m, _: m.coupling_torque(m.rates(True, ()))
-    ),
+    "coupling_torque": Observable(("torque of the coupling", "N m", "$T_r$"), lambda m, _: m.coupling_torque),
     "coupling_deflection": Observable(("coupling deflection", "rad", "$z$"), lambda m, _: m.deflection),
     "screw_speed": Observable(("angular speed of the screw", "rad s-1", r"$\dot\theta$"), lambda m, _: m.speed),
     "nut_speed": Observable(

@@ -127,8 +127,8 @@ def divided(
 
 def _halves(branch: Branch, name: str, slow: str, deviation: Row) -> Iterator[Branch]:
     if branch.mode == name:
-        yield replace(branch, conditions=(*branch.conditions, (deviation, Test.POSITIVE)))
-        branch = replace(branch, mode=slow)
+        yield branch._replace(conditions=(*branch.conditions, (deviation, Test.POSITIVE)))
+        branch = branch._replace(mode=slow)
     yield branch
 
 

@@ -6,8 +6,9 @@ numbers of many systems; then all tables of doubles have one more axis, the firs
 
 from collections.abc import Iterable, Mapping, Sequence, Sized
 from dataclasses import dataclass, field
-from functools import cached_property
-from typing import Any
+from functools import cached_property, reduce
+from itertools import accumulate
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -50,8 +51,7 @@ class Mode:
     beyond_accumulation: str | None = None
 
 
-@dataclass(frozen=True)
-class Branch:
+class Branch(NamedTuple):
     """One outcome of a transition, taken if all ``conditions`` (row, test) hold and no earlier branch was."""
 
     mode: str
@@ -185,22 +185,25 @@ def assemble(
         beyond_accumulation=_integers(mode_index.get(mode.beyond_accumulation, -1) for mode in modes.values()),
         shortest_stay=double(shortest_stay),
     )
+    seen = _rows(
+        [rows[mode] for rows in observables.values() for mode in modes], n, (len(observables), len(modes), n + 1)
+    )
     return Automaton(
         tables=tables,
         codes=np.array([mode.code for mode in modes.values()], dtype=np.int8),
         states=states,
-        observables={name: _rows([rows[mode] for mode in modes], n) for name, rows in observables.items()},
+        observables={name: seen[..., k, :, :] for k, name in enumerate(observables)},
         parts={name: _rows([rows[mode] for mode in modes], n) for name, rows in (parts or {}).items()},
         modes={mode.code: name for name, mode in reversed(modes.items())},  # a law may divide one
-        condition=np.max([own.condition for own in flows], axis=0),
+        condition=reduce(np.maximum, [own.condition for own in flows]),
         **facts,
     )
 
 
 def scaled(row: Row, factor: Number) -> tuple[Any, ...]:
     """Return a row times a number; what is not there stays so."""
-    if factor.__class__ is int and factor == 1:
-        return tuple(row)
+    if factor.__class__ is int and abs(factor) == 1:
+        return tuple(row) if factor == 1 else tuple([-x for x in row])
     return tuple([factor * x if x.__class__ is not int or x else 0 for x in row])
 
 
@@ -213,8 +216,8 @@ def _rows(rows: Sequence[Row], n: int, shape: tuple[int, ...] | None = None) -> 
 
 
 def _integers(values: Iterable[int]) -> np.ndarray:
-    return np.array([int(value) for value in values], dtype=np.int64)
+    return np.fromiter(values, dtype=np.int64)
 
 
 def _starts(groups: Iterable[Sized]) -> np.ndarray:
-    return np.concatenate([[0], np.cumsum([len(group) for group in groups])]).astype(np.int64)
+    return _integers(accumulate(map(len, groups), initial=0))

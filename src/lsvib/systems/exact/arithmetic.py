@@ -111,18 +111,19 @@ def added(*terms: Number, least: float = 1e13) -> Number:
     of at most 256 roundings, which terms that are sums bring with them, is zero. Raises ``EngineError`` if too few
     digits are left of a ball that holds zero.
     """
-    there = [term for term in terms if term.__class__ is not int or term]
-    if len(there) < 2:
-        return there[0] if there else 0
-    total = sum(there[1:], there[0])
-    if total.__class__ is arb:
-        if total > 0 or total < 0 or total == 0:
-            return total
-        if total.rad() > 1e-40 * max(abs(ball(x)).mid() for x in there):
+    total, several = terms[0], False
+    for term in terms[1:]:
+        if term.__class__ is not int or term:  # what is not there is the integer zero
+            several = total.__class__ is not int or bool(total)
+            total = total + term if several else term
+    if not several:
+        return total
+    if total.__class__ is arb and not (total > 0 or total < 0):
+        if not total.is_exact() and total.rad() > 1e-40 * max(abs(ball(x)).mid() for x in terms):
             sign(total)  # too few digits are left to show that it is zero
-        return arb(0)
+        return 0
     if isinstance(total, np.ndarray):
-        rounding, left = reduce(np.maximum, map(np.abs, there)) * np.finfo(total.dtype).eps, np.abs(total)
+        rounding, left = reduce(np.maximum, map(np.abs, terms)) * np.finfo(total.dtype).eps, np.abs(total)
         lost = left < least * rounding
         if lost.any():
             total = np.where(lost, np.where(left <= 256 * rounding, 0, np.nan), total)
@@ -131,6 +132,8 @@ def added(*terms: Number, least: float = 1e13) -> Number:
 
 def place_of_largest(sizes: Sequence[Any]) -> int:
     """Return the place of the largest of some doubles, or arrays of them; raises :class:`Divided` if these differ."""
+    if np.ndarray not in map(type, sizes):
+        return max(range(len(sizes)), key=sizes.__getitem__)
     most = np.ravel(np.argmax(np.broadcast_arrays(*sizes), axis=0))
     if (most != most[0]).any():
         raise Divided(most)
