@@ -112,7 +112,8 @@ class Automaton:
 
     def marked(self, numbers: np.ndarray, *marks: str) -> np.ndarray:
         """Whether codes of modes, or kinds of events, have one of some marks (k)."""
-        return np.isin(numbers, [number for mark in marks for number in self.marks.get(mark, ())])
+        wanted = (numbers == number for mark in marks for number in self.marks.get(mark, ()))
+        return reduce(np.logical_or, wanted, np.zeros(np.shape(numbers), dtype=bool))
 
     def in_words(self, events: Iterable[tuple[int, int]]) -> tuple[tuple[str, str], ...]:
         """Return the names of events and of the modes that they enter, from kinds and codes."""
@@ -163,7 +164,6 @@ def assemble(
     with many_digits():
         inward = [[scaled(surfaces[one.surface].row, one.sign) for one in own.guards] for own in modes.values()]
         flow, forms = flows[0].together(flows, inward)
-        numbers = [x for form in forms for x in form]
     tables = Tables(
         flow=flow,
         surfaces=_rows([surface.row for surface in surfaces.values()], n),
@@ -172,7 +172,7 @@ def assemble(
         guard_surface=_integers(surface_index[guard.surface] for guard in guards),
         guard_sign=np.array([float(guard.sign) for guard in guards]),
         guard_transition=_integers(transition_index[guard.transition] for guard in guards),
-        guard_parts=doubles(numbers, (len(guards), len(forms[0]) if forms else 0)),
+        guard_parts=doubles([x for form in forms for x in form], (len(guards), len(forms[0]) if forms else 0)),
         transition_reset=_integers(-1 if t.reset is None else next(reset_index) for t in transitions.values()),
         resets=_rows([row for reset in resets for row in reset], n, (len(resets), n, n + 1)),
         branch_start=_starts(transition.branches for transition in transitions.values()),

@@ -123,7 +123,8 @@ def added(*terms: Number, least: float = 1e13) -> Number:
             sign(total)  # too few digits are left to show that it is zero
         return 0
     if isinstance(total, np.ndarray):
-        rounding, left = reduce(np.maximum, map(np.abs, terms)) * np.finfo(total.dtype).eps, np.abs(total)
+        sizes = [np.abs(term) for term in terms if term.__class__ is not int or term]
+        rounding, left = reduce(np.maximum, sizes) * np.finfo(total.dtype).eps, np.abs(total)
         lost = left < least * rounding
         if lost.any():
             total = np.where(lost, np.where(left <= 256 * rounding, 0, np.nan), total)
@@ -134,8 +135,7 @@ def place_of_largest(sizes: Sequence[Any]) -> int:
     """Return the place of the largest of some doubles, or arrays of them; raises :class:`Divided` if these differ."""
     if np.ndarray not in map(type, sizes):
         return max(range(len(sizes)), key=sizes.__getitem__)
-    most = np.ravel(np.argmax(np.broadcast_arrays(*sizes), axis=0))
-    if (most != most[0]).any():
+    if ((most := np.ravel(np.argmax(np.broadcast_arrays(*sizes), axis=0))) != most[0]).any():
         raise Divided(most)
     return int(most[0])
 
