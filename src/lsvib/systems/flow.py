@@ -1,7 +1,7 @@
 """The flow of the modes of an automaton, as it is asked from Python: linear, or in series under a friction law.
 
 Kernels see its ``tables`` only, and choose by their type. What needs kernels imports them in the function, so that
-tables are made without numba. Tables of many drives have one more axis, the first.
+tables are made without numba. Tables of many systems have one more axis, the first.
 """
 
 import math
@@ -30,13 +30,13 @@ class Linear:
         self.field, self.numbers = self.form.field, [tables] if planar else [*tables]  # the latter are all finite
 
     def each(self, change: Callable[[np.ndarray, int], Any]) -> Any:
-        """Return tables made from these, one by one, by a function of a table and its dimensions for one drive."""
+        """Return tables made from these, one by one, by a function of a table and its dimensions for one system."""
         if self.planar:
             return change(self.tables, layout.DIMENSIONS["flow"])
         return ModalFlow(*map(change, self.tables, layout.MODAL_DIMENSIONS))
 
     def conserves(self, modes: np.ndarray) -> Any:
-        """Whether some modes preserve areas or volumes, because nothing damps; of many drives for each (k)."""
+        """Whether some modes preserve areas or volumes, because nothing damps; of many systems for each (k)."""
         return ~np.trace(self.field[..., modes, :, :-1], axis1=-2, axis2=-1).any(axis=-1)
 
     def equilibrium(self, mode: int) -> np.ndarray:
@@ -136,7 +136,7 @@ class Series:
         return TaylorFlow(*map(change, self.tables, layout.TAYLOR_DIMENSIONS))
 
     def conserves(self, modes: np.ndarray) -> Any:
-        """Whether nothing damps, of many drives for each (k): friction that depends on speed does, or excites."""
+        """Whether nothing damps, of many systems for each (k): friction that depends on speed does, or excites."""
         return np.zeros(self.field.shape[:-3], dtype=bool)
 
     def equilibrium(self, mode: int) -> np.ndarray:

@@ -73,7 +73,7 @@ class PlanarMode:
 
     @property
     def time_scales(self) -> list[Any]:
-        """Its time scale [s], of many drives an array."""
+        """Its time scale [s], of many systems an array."""
         return [self.row[..., layout.TIME_SCALE]]
 
     @classmethod
@@ -103,7 +103,7 @@ class PlanarMode:
 
     @staticmethod
     def together(modes: Sequence["PlanarMode"], rows: Sequence[Sequence[Row]]) -> tuple[np.ndarray, Sequence[Row]]:
-        """Return the flow table of some modes, of one drive or many, and the parts of their guards, by rows."""
+        """Return the flow table of some modes, of one system or many, and the parts of their guards, by rows."""
         parts = [mode._guard_parts(row) for mode, own in zip(modes, rows, strict=True) for row in own]
         return np.stack(np.broadcast_arrays(*(mode.row for mode in modes)), axis=-2), parts
 

@@ -38,7 +38,7 @@ class TaylorMode:
 
     @staticmethod
     def together(modes: Sequence["TaylorMode"], rows: Sequence[Sequence[Row]]) -> tuple[TaylorFlow, list[Row]]:
-        """Return the flow tables of some modes, of many drives with one more axis; their guards need nothing else."""
+        """Return the flow tables of some modes, of many systems with one more axis; their guards need nothing else."""
         n = modes[0].push.shape[-1]
         none = np.zeros(n), np.zeros((n, n)), -1.0
         pieces, many = [mode.pieces for mode in modes], np.broadcast_shapes(*(mode.pieces.shape[:-2] for mode in modes))

@@ -216,7 +216,7 @@ def by_kind(planar_kernel: Any, modal_kernel: Any, taylor_kernel: Any) -> Any:
 
     A flow is a plain table of oscillators (two states, :mod:`lsvib.systems.kernels.flow_planar`), a ``ModalFlow``
     (:mod:`lsvib.systems.kernels.flow_modal`) or a ``TaylorFlow`` (:mod:`lsvib.systems.kernels.flow_taylor`); or it is
-    one of the values that stand for them. Kernels choose by type when they are compiled, so that a drive compiles none
+    one of the values that stand for them. Kernels choose by type when they are compiled, so that a system compiles none
     of the kernels of another kind.
     """
 

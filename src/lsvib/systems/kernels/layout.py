@@ -125,7 +125,7 @@ class Begin(NamedTuple):
 class Tables(NamedTuple):
     """A piecewise-linear automaton with n states as plain arrays (m modes, g guards, t transitions, b branches).
 
-    Those with a number beside their type hold a drive's own numbers, in so many dimensions, the others its structure.
+    Those with a number beside their type hold a system's own numbers, in so many dimensions, the others its structure.
 
     An affine function of the state is a row of n + 1 numbers, the constant last. Guards of mode i are
     ``guard_start[i]:guard_start[i + 1]``; the other ``*_start`` arrays work alike. Transition 0 is the entry: it puts a
@@ -200,7 +200,7 @@ def annotated(tables: type) -> dict[str, tuple]:
     return {name: hint.__metadata__ for name, hint in hints.items() if hasattr(hint, "__metadata__")}
 
 
-# Dimensions of the tables of one drive that hold its own numbers; those of many have one more axis, the first. Flow
+# Dimensions of the tables of one system that hold its own numbers; those of many have one more axis, the first. Flow
 # tables of planar flows are the first of them, those of the other kinds are below.
 DIMENSIONS = {"flow": 2, **{name: own[0] for name, own in annotated(Tables).items()}}
 MODAL_DIMENSIONS, TAYLOR_DIMENSIONS = (
