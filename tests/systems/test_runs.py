@@ -173,11 +173,11 @@ def test_compiling_is_said_once_for_each_part(caplog):
         for kind in ("planar", "modal"):
             kernel(bouncing(kind).tables)
     told = [record.getMessage() for record in caplog.records]
-    assert [words for words in told if "rigid drives, once, about 10 s" in words] == told[:1]
-    assert [words for words in told if "drives with parts, once, about 30 s" in words] == told[1:]
+    assert [words for words in told if "two states, once, about 10 s" in words] == told[:1]
+    assert [words for words in told if "more than two states, once, about 30 s" in words] == told[1:]
     assert len(told) == 2
     say = jit.sentence
-    assert "mapper of rigid drives" in say("lsvib.systems.kernels.next_section", "Tables(array(float64, 2d, C))")
+    assert "mapper of two states" in say("lsvib.systems.kernels.next_section", "Tables(array(float64, 2d, C))")
     told = say("lsvib.dynamics.kernels.sweep", "Tables(AnyFlow(array(float64, 2d, C)))")
     assert "the rule of what motions end in" in told
     assert say("lsvib.systems.kernels.flow_planar", "array(float64, 1d, C)") is None

@@ -49,6 +49,8 @@ _PARTS = (
 
 def sentence(module: str, arguments: str) -> str | None:
     """Return what is said of compiling a kernel of ``module``, by the types of its arguments; None if nothing."""
+    if not module.startswith("lsvib."):
+        return None
     return next((f"compiling {words}" for a, b, words in _PARTS if module.endswith(a) and b in arguments), None)
 
 
