@@ -16,7 +16,7 @@ import math
 import numpy as np
 
 from lsvib.systems.kernels import flow_planar
-from lsvib.systems.kernels.flow_planar import OVERFLOW, ROUNDING, apply, own_rate
+from lsvib.systems.kernels.flow_planar import OVERFLOW, ROUNDING, apply, own_rate, summed
 from lsvib.systems.kernels.jit import allocating_entry, inlined_kernel
 from lsvib.systems.kernels.layout import A0, ALPHA, BETA, DELTA, R1
 
@@ -83,14 +83,10 @@ def carry(flow, mode, start, t, out):
 @inlined_kernel
 def is_still(flow, mode, state):
     """Whether a state is an equilibrium of a mode to the last bit; where N is zero there a guard rests on zero."""
-    field, n = flow.field[mode], state.size
-    for i in range(n):
-        rate = field[i, n]
-        for j in range(n):
-            rate += field[i, j] * state[j]
-        if rate != 0.0:
-            return False
-    return True
+    still = True
+    for i in range(state.size):
+        still = still and summed(flow.field[mode, i], state, state)[0] == 0.0
+    return still
 
 
 @inlined_kernel
@@ -156,10 +152,7 @@ def slopes_at(flow, mode, state, scale, guard):
         for j in range(n):
             weight += guard[j] * field[j, i]
             weight_size += abs(guard[j] * field[j, i])
-        speed, speed_size = field[i, n], abs(field[i, n])
-        for j in range(n):
-            speed += field[i, j] * state[j]
-            speed_size += abs(field[i, j]) * scale[j]
+        speed, speed_size = summed(field[i], state, scale)
         rate += guard[i] * speed
         rate_size += abs(guard[i]) * speed_size
         bend += weight * speed

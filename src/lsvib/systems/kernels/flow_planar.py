@@ -33,16 +33,26 @@ def apply(table, vector, out):
         out[i] = total
 
 
-@inlined_entry
-def level(row, state, scale):
-    """Value of an affine function at a state (n), and the size below which it is rounding only.
+@inlined_kernel
+def summed(row, state, scale):
+    """Value of an affine function at a state (n), and the sum of the sizes that its terms have at ``scale`` (n).
 
-    ``scale`` (n) are the magnitudes that the state was computed from; what stands in ``row`` behind n + 1 is not read.
+    What stands in ``row`` behind n + 1 is not read.
     """
     value, size = row[state.size], abs(row[state.size])
     for i in range(state.size):
         value += row[i] * state[i]
-        size += abs(row[i]) * scale[i]
+        size += abs(row[i] * scale[i])
+    return value, size
+
+
+@inlined_entry
+def level(row, state, scale):
+    """Value of an affine function at a state (n), and the size below which it is rounding only.
+
+    ``scale`` (n) are the magnitudes that the state was computed from.
+    """
+    value, size = summed(row, state, scale)
     return value, ROUNDING * size
 
 

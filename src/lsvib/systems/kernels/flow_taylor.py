@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lsvib.systems.kernels.flow_planar import EPS, ROUNDING
+from lsvib.systems.kernels.flow_planar import EPS, ROUNDING, summed
 from lsvib.systems.kernels.jit import allocating_entry, allocating_kernel, inlined_kernel, kernel, on_stack
 from lsvib.systems.kernels.law import EXPONENT, FADE, FROM, LINEAR, RISE, TO, exponent, value
 from lsvib.systems.kernels.layout import ORDER
@@ -83,7 +83,7 @@ def product(a, b, first, k):
 
 
 @inlined_kernel
-def _affine(row, state, k, n):
+def affine(row, state, k, n):
     """Return the k-th coefficient of an affine function of the n coordinates of the state."""
     total = row[n] if k == 0 else 0.0
     for i in range(n):
@@ -93,19 +93,11 @@ def _affine(row, state, k, n):
 
 @inlined_kernel
 def law_at(law, sigma):
-    """Return μ and μ′ [s/m] of a piece at a sliding speed [m/s]."""
+    """Return μ and μ′ [s/m] of a piece at a sliding speed [m/s], the exponential and its logarithmic derivative."""
     ratio = law[FADE] * sigma
-    mu, slope, _ = _value(law, sigma, ratio, math.exp(-_exponent(law, ratio)))
-    return mu, slope
-
-
-@inlined_kernel
-def _begin_law(law, parts):
-    """Write the first coefficients of a law from that of σ; returns μ and μ′ [s/m]."""
-    ratio = law[FADE] * parts[SIGMA, 0]
-    parts[DECAY, 0] = math.exp(-_exponent(law, ratio))
-    parts[MU, 0], slope, parts[RATE, 0] = _value(law, parts[SIGMA, 0], ratio, parts[DECAY, 0])
-    return parts[MU, 0], slope
+    decay = math.exp(-_exponent(law, ratio))
+    mu, slope, rate = _value(law, sigma, ratio, decay)
+    return mu, slope, decay, rate
 
 
 @inlined_kernel
@@ -163,8 +155,9 @@ def _begin_force(flow, mode, piece, series, n):
     share = slope = mu = rest = 0.0
     speed, contact, push = flow.speed[mode], flow.contact[mode], flow.push[mode]
     if piece >= 0:
-        parts[SIGMA, 0], pressed = _affine(speed, series.state, 0, n), _affine(contact, series.state, 0, n)
-        mu, slope = _begin_law(flow.pieces[piece], parts)
+        parts[SIGMA, 0], pressed = affine(speed, series.state, 0, n), affine(contact, series.state, 0, n)
+        mu, slope, parts[DECAY, 0], parts[RATE, 0] = law_at(flow.pieces[piece], parts[SIGMA, 0])
+        parts[MU, 0] = mu
         share = 1.0 / (1.0 + flow.feedback[mode] * mu)
         force = share * mu * pressed
         rest = pressed - flow.feedback[mode] * force
@@ -204,7 +197,7 @@ def _expand(flow, mode, piece, series, n):
         x[i, 0] = series.here[i]
     force, share, slope = _begin_force(flow, mode, piece, series, n)
     for i in range(n):
-        x[i, 1] = unit * (_affine(flow.field[mode, i], x, 0, n) + flow.push[mode, i] * force)
+        x[i, 1] = unit * (affine(flow.field[mode, i], x, 0, n) + flow.push[mode, i] * force)
         own += flow.speed[mode, i] * x[i, 1]
         pressed += flow.contact[mode, i] * x[i, 1]
     k = _ONE
@@ -236,11 +229,7 @@ def piece_at(flow, mode, state):
     first, last = flow.piece_start[mode], flow.piece_start[mode + 1] - 1
     if first >= last:
         return first if first == last else -1
-    row, n = flow.speed[mode], state.size
-    sigma = row[n]
-    for i in range(n):
-        sigma += row[i] * state[i]
-    piece = first
+    piece, (sigma, _) = first, summed(flow.speed[mode], state, state)
     while piece < last and sigma >= flow.pieces[piece, TO]:
         piece += 1
     return piece
@@ -375,7 +364,7 @@ def _cut_at_piece(flow, mode, piece, series, step):
     if low < least and most < high:
         return step, piece
     for k in range(ORDER + 1):
-        form[k] = _affine(flow.speed[mode], series.state, k, series.here.size)
+        form[k] = affine(flow.speed[mode], series.state, k, series.here.size)
     following = piece
     if piece > flow.piece_start[mode]:
         until = _first_beyond(form, low, 1.0, whole)
@@ -438,21 +427,17 @@ def travel(flow, mode, state, stay, scale, work):
 
 
 @kernel
-def field_at(flow, mode, piece, state, scale, rate, size):
-    """Write x′ at a state and the sizes of its terms, by those of the state, both (n); ``piece`` of the law, or −1.
+def field_at(flow, mode, state, scale, rate, size):
+    """Write x′ at a state and the sizes of its terms, by those of the state, both (n).
 
     Returns η [1], dη/dσ [s/m] and q [N].
     """
-    n, row = state.size, flow.contact[mode]
-    share = steep = force_size = 0.0
-    force = row[n]
+    n, piece = state.size, piece_at(flow, mode, state)
+    share = steep = force = force_size = 0.0
     if piece >= 0:
-        sigma, force_size = flow.speed[mode, n], abs(row[n])
-        for j in range(n):
-            sigma += flow.speed[mode, j] * state[j]
-            force += row[j] * state[j]
-            force_size += abs(row[j] * scale[j])
-        mu, slope = law_at(flow.pieces[piece], sigma)
+        sigma, _ = summed(flow.speed[mode], state, state)
+        force, force_size = summed(flow.contact[mode], state, scale)
+        mu, slope, _, _ = law_at(flow.pieces[piece], sigma)
         one = 1.0 + flow.feedback[mode] * mu
         share, steep = mu / one, slope / (one * one)
     for i in range(n):
@@ -468,7 +453,7 @@ def field_at(flow, mode, piece, state, scale, rate, size):
 def slopes_at(flow, mode, state, scale, guard):
     """First and second derivative of a guard at a state, each with the size below which it is rounding only."""
     n, own, size = state.size, on_stack(state.size), on_stack(state.size)
-    share, steep, pressed = field_at(flow, mode, piece_at(flow, mode, state), state, scale, own, size)
+    share, steep, pressed = field_at(flow, mode, state, scale, own, size)
     rate = rate_size = bend = bend_size = sigma_rate = pressed_rate = pushed = 0.0
     for j in range(n):
         rate += guard[j] * own[j]

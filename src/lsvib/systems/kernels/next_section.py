@@ -13,12 +13,11 @@ from numba import types
 from lsvib.systems.kernels import event_loop
 from lsvib.systems.kernels.flow_planar import level
 from lsvib.systems.kernels.jit import allocating_entry, by_address, entry, kernel, on_stack
-from lsvib.systems.kernels.layout import ACCUMULATION_KIND, CARRY, GRAZE_KIND, NONE, TIME, Now, Status, Tables
+from lsvib.systems.kernels.layout import ACCUMULATION_KIND, CARRY, GRAZE_KIND, NONE, TIME, Now, Tables
 
 UNRESOLVED = -1  # as ``Attractor.UNRESOLVED``
 UNKNOWN = -2  # no label of the caller is so low
 LEAVES, STAYS, RESTS, LOST = range(4)  # what the next event of a motion is: one, none, the begin of rest, not told
-_SETTLED, _DIVERGED = int(Status.SETTLED), int(Status.DIVERGED)
 
 
 class Cells(NamedTuple):
@@ -48,27 +47,6 @@ def put(scratch, u, w):
     state, scale, _ = scratch.now
     state[0], state[1] = u, w
     scale[0], scale[1] = abs(u), abs(w)
-
-
-@kernel
-def step(tables, mode, short, scratch):
-    """Go on past the next event, as ``event_loop.run_in`` does; ``short`` counts shortest stays in a row.
-
-    Returns (``event_loop.GOES_ON`` or ``Status``, guard, kind, mode after, stay [s], short).
-    """
-    state, scale, _ = scratch.now
-    room = scratch.room
-    found, guard, stay = event_loop.next_event(
-        tables, mode, state, scale, math.inf, room.guards, room.on_surface, room.work
-    )
-    if found == NONE:
-        return _SETTLED, guard, event_loop.NO_KIND, mode, stay, short
-    event_loop.arrive(tables, mode, scratch.now, guard, stay, room.work)
-    if not (abs(state[0]) < event_loop.LARGEST and abs(state[1]) < event_loop.LARGEST):
-        return _DIVERGED, guard, event_loop.NO_KIND, mode, stay, short
-    short = short + 1 if stay < tables.shortest_stay else 0
-    outcome, mode, kind, _ = event_loop.leave(tables, mode, found, guard, short, scratch.now, room.state)
-    return outcome, guard, kind, mode, stay, 0 if kind == ACCUMULATION_KIND else short
 
 
 @entry
@@ -140,11 +118,23 @@ class Way(NamedTuple):
 
 @entry
 def to_next_event(tables, pieces, mode, short, steps, scratch):
-    """Go on past the next event; returns what it is, guard, kind, mode after, stay [s] and short stays in a row."""
-    scratch.room.work.steps[0] = steps
-    outcome, guard, kind, after, stay, short = step(tables, mode, short, scratch)
-    if outcome == _SETTLED:
-        return STAYS, guard, kind, mode, stay, short
+    """Go on past the next event, as ``event_loop.run_in`` does; ``short`` counts shortest stays in a row.
+
+    Returns what the event is, guard, kind, mode after, stay [s] and short stays in a row.
+    """
+    (state, scale, _), room = scratch.now, scratch.room
+    room.work.steps[0] = steps
+    found, guard, stay = event_loop.next_event(
+        tables, mode, state, scale, math.inf, room.guards, room.on_surface, room.work
+    )
+    if found == NONE:
+        return STAYS, guard, event_loop.NO_KIND, mode, stay, short
+    event_loop.arrive(tables, mode, scratch.now, guard, stay, room.work)
+    if not (abs(state[0]) < event_loop.LARGEST and abs(state[1]) < event_loop.LARGEST):
+        return LOST, guard, event_loop.NO_KIND, mode, stay, short
+    short = short + 1 if stay < tables.shortest_stay else 0
+    outcome, after, kind, _ = event_loop.leave(tables, mode, found, guard, short, scratch.now, room.state)
+    short = 0 if kind == ACCUMULATION_KIND else short
     if outcome != event_loop.GOES_ON or kind == GRAZE_KIND:
         return LOST, guard, kind, mode, stay, short
     return RESTS if pieces.resting[after] != UNKNOWN else LEAVES, guard, kind, after, stay, short

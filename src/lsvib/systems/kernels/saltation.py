@@ -15,7 +15,7 @@ Every matrix comes with a bound of its rounding, entry by entry.
 
 import math
 
-from lsvib.systems.kernels.flow_planar import EPS
+from lsvib.systems.kernels.flow_planar import EPS, summed
 from lsvib.systems.kernels.jit import entry, kernel, on_stack
 from lsvib.systems.kernels.layout import ACCUMULATION_KIND, GRAZE_KIND
 from lsvib.systems.kernels.machine import derivative_at
@@ -38,11 +38,7 @@ def crossed_guard(tables, mode, kind, after, before):
             fits = fits or (tables.branch_mode[branch] == after and tables.branch_kind[branch] == kind)
         if not fits:
             continue
-        row, n = tables.surfaces[tables.guard_surface[guard]], before.size
-        value, size = row[n], abs(row[n])
-        for i in range(n):
-            value += row[i] * before[i]
-            size += abs(row[i] * before[i])
+        value, size = summed(tables.surfaces[tables.guard_surface[guard]], before, before)
         distance = abs(value) / size if size > 0.0 else 0.0
         if distance < nearest:
             found, nearest = guard, distance

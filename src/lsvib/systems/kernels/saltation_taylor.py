@@ -33,7 +33,7 @@ from lsvib.systems.kernels.layout import ORDER
 @kernel
 def field(flow, mode, state, rate, size):
     """Write x′ at a state, and the sizes of its terms, both (n)."""
-    field_at(flow, mode, piece_at(flow, mode, state), state, state, rate, size)
+    field_at(flow, mode, state, state, rate, size)
 
 
 @inlined_kernel

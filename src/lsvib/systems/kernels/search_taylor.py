@@ -11,9 +11,10 @@ import math
 import numpy as np
 
 from lsvib.systems.kernels import flow_taylor
-from lsvib.systems.kernels.flow_planar import EPS
+from lsvib.systems.kernels.flow_planar import EPS, summed
 from lsvib.systems.kernels.flow_taylor import (
     ETA,
+    affine,
     begin,
     find_share,
     go_on,
@@ -54,16 +55,11 @@ def _stays_positive(series, guard):
 @inlined_kernel
 def _form(series, guard, step):
     """Write a guard as a polynomial of the part of the step; returns the size below which it is rounding only."""
-    n, power, size = series.here.size, 1.0, abs(guard[series.here.size])
+    power = 1.0
     for k in range(ORDER + 1):
-        total = guard[n] if k == 0 else 0.0
-        for i in range(n):
-            total += guard[i] * series.state[i, k]
-        series.guard[k] = total * power
+        series.guard[k] = affine(guard, series.state, k, series.here.size) * power
         power *= step / series.unit[0]
-    for i in range(n):
-        size += abs(guard[i]) * series.sizes[i]
-    return 8.0 * EPS * size
+    return 8.0 * EPS * summed(guard, series.here, series.sizes)[1]
 
 
 @kernel
@@ -156,11 +152,7 @@ def first_fall(form, on_surface, rounding, top, local):
 @inlined_kernel
 def _rests(series, guard):
     """Whether a guard that began on zero is still there: that of a contact without a force, while its bodies stand."""
-    n = series.here.size
-    value, size = guard[n], abs(guard[n])
-    for i in range(n):
-        value += guard[i] * series.here[i]
-        size += abs(guard[i]) * series.sizes[i]
+    value, size = summed(guard, series.here, series.sizes)
     return abs(value) <= 8.0 * EPS * size
 
 
@@ -219,18 +211,13 @@ def _functional(flow, mode, piece, series, functional):
     """Write the series of an affine function, and of η times another one that stands behind it, to ``series.guard``."""
     n = series.here.size
     for k in range(ORDER + 1):
-        series.guard[k] = functional[n] if k == 0 else 0.0
-        for i in range(n):
-            series.guard[k] += functional[i] * series.state[i, k]
+        series.guard[k] = affine(functional, series.state, k, n)
     if functional.size == n + 1 or piece < 0:
         return
     find_share(flow, mode, series.parts)
     for k in range(ORDER):  # η is known to one order less
         for j in range(k + 1):
-            other = functional[2 * n + 1] if k == j else 0.0
-            for i in range(n):
-                other += functional[n + 1 + i] * series.state[i, k - j]
-            series.guard[k] += series.parts[ETA, j] * other
+            series.guard[k] += series.parts[ETA, j] * affine(functional[n + 1 :], series.state, k - j, n)
     series.guard[ORDER] = 0.0
 
 

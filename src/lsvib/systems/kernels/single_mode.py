@@ -7,7 +7,7 @@ import math
 from enum import IntEnum
 
 from lsvib.systems.kernels import flow_planar, saltation_taylor
-from lsvib.systems.kernels.flow_planar import OVERFLOW, ROUNDING
+from lsvib.systems.kernels.flow_planar import OVERFLOW, level, summed
 from lsvib.systems.kernels.jit import by_kind, entry, kernel, on_stack
 from lsvib.systems.kernels.layout import A0, A1, ALPHA, BETA, EQUILIBRIUM, B
 
@@ -71,12 +71,8 @@ def _planar_field(flow, mode, state, rate, size):
 
 @kernel
 def _modal_field(flow, mode, state, rate, size):
-    n = state.size
-    for i in range(n):
-        rate[i], size[i] = flow.field[mode, i, n], abs(flow.field[mode, i, n])
-        for j in range(n):
-            rate[i] += flow.field[mode, i, j] * state[j]
-            size[i] += abs(flow.field[mode, i, j] * state[j])
+    for i in range(state.size):
+        rate[i], size[i] = summed(flow.field[mode, i], state, state)
 
 
 @kernel
@@ -93,12 +89,8 @@ def _stays_planar(flow, mode, state):
 @kernel
 def _excited(flow, mode, k, state):
     """Whether a modal coordinate of a state is not zero to rounding."""
-    n = state.size
-    value, size = flow.to_modal[mode, k, n], abs(flow.to_modal[mode, k, n])
-    for i in range(n):
-        value += flow.to_modal[mode, k, i] * state[i]
-        size += abs(flow.to_modal[mode, k, i] * state[i])
-    return abs(value) > ROUNDING * size
+    value, size = level(flow.to_modal[mode, k], state, state)
+    return abs(value) > size
 
 
 @kernel
