@@ -11,7 +11,7 @@ from lsvib.systems.attractor import Attractor, steady_state
 from lsvib.systems.curves import Arc, state_on
 from lsvib.systems.grid import Axis, Grid
 from lsvib.systems.kernels.next_section import put_on
-from lsvib.systems.slice_mapper import StateMapper
+from lsvib.systems.mapper import Mapper
 
 SEAT = {"stribeck_rise": 0.0203, "stribeck_speed": 0.013704, "friction_slope": -0.08588598956673593}
 LAWS = {  # with what motions of each end in
@@ -42,7 +42,7 @@ def test_labels_against_the_rule(name, size):
     (keys, ends), (count, cells) = LAWS[name], size
     drive = lsvib.Drive(**keys)
     mapped = mapper(drive)
-    rule = StateMapper(mapped.automaton, mapped.starts)
+    rule = Mapper(mapped.automaton, mapped.starts)
     speed = abs(drive.input_speed)
     angle = 8 * speed * (drive.screw_inertia / drive.coupling_stiffness) ** 0.5
     grid = Grid(Axis("u", -angle, angle, count), Axis("w", -6 * speed, 6 * speed, count))
@@ -97,7 +97,7 @@ def test_times_are_those_of_the_motions():
     mapped = mapper(lsvib.Drive(**LAWS["seat"][0]))
     grid = Grid(Axis("u", -0.03, 0.03, 3), Axis("w", -20, 20, 2))
     found = mapped.cells(grid, quantities=("label", "time", "doubt"))
-    rule = StateMapper(mapped.automaton, mapped.starts).cells(grid, quantities=("label", "time", "doubt"))
+    rule = Mapper(mapped.automaton, mapped.starts).cells(grid, quantities=("label", "time", "doubt"))
     for name, array in found.items():
         assert array.tobytes() == rule[name].tobytes()
     assert Attractor.UNRESOLVED not in found["label"]

@@ -24,13 +24,12 @@ from lsvib.systems.curves import Window
 from lsvib.systems.grid import MOST_CELLS, Axis, Grid
 from lsvib.systems.interval_mapper import IntervalMapper
 from lsvib.systems.mapper import NO_DOUBT, Mapper, Starts
-from lsvib.systems.slice_mapper import StateMapper
 
 
 def mapper(drive: Drive) -> Mapper:
     """Return the mapper of a drive.
 
-    For a rigid drive whose motor turns that is an ``IntervalMapper``, else a ``StateMapper``.
+    For a rigid drive whose motor turns that is an ``IntervalMapper``, else a ``Mapper``.
 
     >>> import lsvib
     >>> grid = lsvib.Grid(lsvib.Axis("u", -0.03, 0.03, 4), lsvib.Axis("w", -5, 5, 2))
@@ -42,7 +41,7 @@ def mapper(drive: Drive) -> Mapper:
     u, w = abs(speed) * (drive.screw_inertia / drive.coupling_stiffness) ** 0.5, abs(speed)
     first = [{"u": x, "w": y} for x, y in ((u, 0.0), (-u, 0.0), (0.0, -1.5 * speed), (3 * u, 3 * w))]
     state = partial(model.initial_state, drive)
-    kind = IntervalMapper if drive.rigid and speed else StateMapper
+    kind = IntervalMapper if drive.rigid and speed else Mapper
     return kind(automaton_of(drive), Starts(state, np.array([u, w]), [*map(state, first)]))
 
 

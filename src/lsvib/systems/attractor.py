@@ -157,21 +157,19 @@ class KnownCycles(NamedTuple):
 
     @classmethod
     def of(cls, cycles: Sequence[SteadyState], automaton: Automaton, patience: int) -> "KnownCycles":
-        """Return the table of cycles of an automaton; neutral families and cycles without events do not count.
+        """Return the table of cycles of an automaton, each with events.
 
         ``patience``: events after which other cycles are looked for as well.
         """
-        states = len(automaton.states)
-        own = [one for one in cycles if one.orbit is not None and one.orbit.time.size]
-        orbits = [one.orbit for one in own if one.orbit is not None]
+        orbits = [one.orbit for one in cycles if one.orbit is not None]
         kind, mode = (np.array([getattr(o, name)[-1] for o in orbits], dtype=np.int64) for name in ("kind", "mode"))
         visits = [np.sum((o.kind == o.kind[-1]) & (o.mode == o.mode[-1])) for o in orbits]
-        point, size = np.empty((2, len(orbits), states))
+        point, size = np.empty((2, len(orbits), len(automaton.states)))
         for k, orbit in enumerate(orbits):
             point[k], size[k] = orbit.after[-1], np.maximum(np.abs(orbit.after).max(axis=0), np.finfo(float).tiny)
         events = np.array([o.time.size for o in orbits], dtype=np.int64)
         table = rule.Known(kind, mode, np.array(visits, dtype=np.int64), events, point, size)
-        return cls(own, rule.Asked(facts_of(automaton), table, patience))
+        return cls(cycles, rule.Asked(facts_of(automaton), table, patience))
 
 
 def steady_state(

@@ -19,21 +19,8 @@ from lsvib.systems.attractor import Attractor, Doubt, SteadyState, conserves, en
 from lsvib.systems.automaton import Automaton
 from lsvib.systems.grid import Grid
 from lsvib.systems.kernels import event_loop, jit, layout, next_section
-from lsvib.systems.kernels.next_section import (
-    LEAVES,
-    RESTS,
-    STAYS,
-    UNKNOWN,
-    UNRESOLVED,
-    Cells,
-    Cycles,
-    Pieces,
-    Way,
-    new_scratch,
-    put_on,
-)
-from lsvib.systems.mapper import NO_DOUBT, Starts
-from lsvib.systems.slice_mapper import StateMapper
+from lsvib.systems.kernels.next_section import LEAVES, RESTS, STAYS, UNKNOWN, UNRESOLVED, Cells, Cycles, Pieces, Way
+from lsvib.systems.mapper import NO_DOUBT, Mapper, Starts
 
 _POINTS = 12_000  # of all sections whose next event is looked for at most, a third of a second
 _FINEST = 1e-7  # width of an interval that is not halved, in sizes of the motions
@@ -97,7 +84,8 @@ class DividedSections:
     def __init__(self, automaton: Automaton, size: np.ndarray, attractors: Sequence[SteadyState]) -> None:
         self.automaton, self.size = automaton, size
         tables, pieces = automaton.tables, _nothing_known(automaton)
-        address = jit.address(next_section.to_next_event, tables, pieces, 0, 0, _STEPS, new_scratch(tables))
+        scratch = next_section.new_scratch(tables)
+        address = jit.address(next_section.to_next_event, tables, pieces, 0, 0, _STEPS, scratch)
         self.way = Way(address, tables, pieces, _STEPS)
         self.doubt = Doubt.ROUNDING  # where rests have an end
         self._rested = set[int]()  # modes at rest whose end has been asked for
@@ -162,7 +150,7 @@ class DividedSections:
         for mode in set(found[found[:, 0] == RESTS, 2].tolist()) - self._rested:
             k = int(np.argmax((found[:, 0] == RESTS) & (found[:, 2] == mode)))
             self._rested.add(mode)  # all that rest in it have one end
-            end = self._end(self._section(mode, found[k, 3]), float(image[k]), StateMapper.work)
+            end = self._end(self._section(mode, found[k, 3]), float(image[k]), Mapper.work)
             self.way.pieces.resting[mode], self.doubt = end.label, end.doubt or self.doubt
         return found, image
 
@@ -184,7 +172,7 @@ class DividedSections:
     def _end(self, section: Section, x: float, work: int = 50_000) -> SteadyState:
         state = np.empty(2)
         state[section.free] = x
-        put_on(self.automaton.tables, section.surface, state)
+        next_section.put_on(self.automaton.tables, section.surface, state)
         try:
             return end_of_motion(self.automaton, state, mode=int(section.mode), max_events=work)[0]
         except EngineError as error:
@@ -222,22 +210,22 @@ class DividedSections:
     def _settle(self, attractors: Sequence[SteadyState]) -> None:
         """Label intervals beside steady sliding and beside the points of cycles that do not rest."""
         places = self.way.pieces.centre
-        orbits = [(one, one.orbit) for one in attractors if one.orbit is not None and one.orbit.time.size]
         for section in self.lines:
             place = places[section.mode]
             steady = SteadyState(Attractor.STEADY_SLIDING, place)
             if self.way.pieces.settled[section.mode] == steady.label and self._lies_on(section, place):
                 for side in (-1, 1):
                     self._settle_beside(section, float(place[section.free]), steady, 2, (side,))
-            for one, orbit in orbits:
-                if (self.way.pieces.resting[orbit.mode] == UNKNOWN).all():
+            for one in attractors:
+                orbit = one.orbit
+                if orbit is not None and (self.way.pieces.resting[orbit.mode] == UNKNOWN).all():
                     for state in orbit.after[orbit.mode == section.mode]:
                         if self._lies_on(section, state):
                             self._settle_beside(section, float(state[section.free]), one, orbit.time.size, (-1, 1))
 
     def _lies_on(self, section: Section, state: np.ndarray) -> bool:
         point = state.copy()
-        put_on(self.automaton.tables, section.surface, point)
+        next_section.put_on(self.automaton.tables, section.surface, point)
         return bool((np.abs(point - state) <= _BAND * self.size).all())
 
     def _settle_beside(
@@ -250,14 +238,14 @@ class DividedSections:
         line, size = self.lines[section], self.size[section.free]
         for distance in size * 4.0 ** np.arange(1, -16, -1):
             ends = [centre + side * distance for side in sides]
-            courses = [self._course(section, x, events) for x in ends]
-            same = all(one is not None and one[0] == courses[0][0] for one in courses)  # type: ignore[index]
-            if not same or not all(abs(one[1] - centre) < distance for one in courses if one is not None):
+            courses = [course for x in ends if (course := self._course(section, x, events)) is not None]
+            nearer = [path == courses[0][0] and abs(x - centre) < distance for path, x in courses]
+            if nearer.count(True) < len(ends):
                 continue
             found = [self._end(section, x) for x in ends]
             if all(one.label == attractor.label and (not one.orbit or one.same_period(attractor)) for one in found):
-                for x in np.setdiff1d([centre, *ends], line.points):
-                    line.insert(*(np.atleast_1d(part) for part in (x, *self._images(section, np.array([x])))))
+                points = np.setdiff1d([centre, *ends], line.points)
+                line.insert(points, *self._images(section, points))
                 low, high = min(centre, *ends), max(centre, *ends)
                 line.labels[(line.points[:-1] >= low) & (line.points[1:] <= high)] = attractor.label
                 return
@@ -369,7 +357,7 @@ def find_sections(automaton: Automaton, pieces: Pieces) -> list[Section]:
     return sorted(found)
 
 
-class IntervalMapper(StateMapper):
+class IntervalMapper(Mapper):
     """Maps the starts of a system with two states by :class:`DividedSections`, where its labels are looked up.
 
     Under constant friction ``time`` [s] and ``seizures`` are those until the attractor is reached: for steady sliding
@@ -379,15 +367,15 @@ class IntervalMapper(StateMapper):
 
     def __init__(self, automaton: Automaton, starts: Starts) -> None:
         super().__init__(automaton, starts)
-        places = [starts.size[None], *(np.abs(one.orbit.after) for one in self.attractors if one.orbit is not None)]
+        orbits = [one.orbit for one in self.attractors if one.orbit is not None]
+        size = np.max([starts.size, *(np.abs(o.after).max(axis=0) for o in orbits)], axis=0)
         self.impacts = np.array([*automaton.marks["impact"]], dtype=np.int64)
-        orbits = [one.orbit for one in self.attractors if one.orbit is not None and one.orbit.time.size]
         self.cycles = Cycles(
             np.concatenate([np.empty(0, dtype=np.int64), *(o.mode.astype(np.int64) for o in orbits)]),
             np.concatenate([np.empty((0, 2)), *(o.after for o in orbits)]),
             np.concatenate([np.empty((0, 2)), *(0 * o.after + 1e-9 * np.abs(o.after).max(axis=0) for o in orbits)]),
         )
-        self.sections = DividedSections(self.automaton, np.concatenate(places).max(axis=0), self.attractors)
+        self.sections = DividedSections(self.automaton, size, self.attractors)
 
     def fill(
         self, found: Mapping[str, np.ndarray], grid: Grid, x: np.ndarray, y: np.ndarray, quantities: Sequence[str]

@@ -255,16 +255,9 @@ def _tables(field: Field, pairs: list[_Piece], singles: list[_Piece]) -> ModalMo
     from_modal = np.array([_floats(row) for row in exact])
     condition = float(amplification(from_modal[:, :-1], to_modal, field.sizes))
     rates, pushes = np.array([single.row for single in singles]).reshape(-1, 2).T.copy()
-    return ModalMode(
-        np.array([pair.row for pair in pairs]).reshape(-1, layout.COUNT),
-        rates,
-        pushes,
-        to_modal,
-        from_modal,
-        np.array([_floats(row) for row in field.rows]),
-        condition,
-        exact,
-    )
+    oscillators = np.array([pair.row for pair in pairs]).reshape(-1, layout.COUNT)
+    rows = np.array([_floats(row) for row in field.rows])
+    return ModalMode(oscillators, rates, pushes, to_modal, from_modal, rows, condition, exact)
 
 
 def linear_mode(
@@ -302,10 +295,9 @@ def guard_forms(modes: Sequence[ModalMode], rows: Sequence[Sequence[Row]]) -> li
                 *exact, constant = map(ball, guard)
                 plain, form = _floats(exact), [0.0] * width
                 for j in range(count + 1):
-                    terms = [x * row[j] for x, row in zip(exact, mode.exact, strict=True)]
-                    column = mode.from_modal[:, j if j < count else -1]
-                    terms, rounded = [*terms, constant * int(j == count)], float(plain @ column)
-                    rounded += float(constant) if j == count else 0.0
+                    own = constant if j == count else 0
+                    terms = [*(x * row[j] for x, row in zip(exact, mode.exact, strict=True)), own]
+                    rounded = float(plain @ mode.from_modal[:, j]) + float(own)
                     true, size = float(sum(terms, arb(0))), sum(abs(float(x)) for x in terms)
                     true = true if abs(true) > _NOTHING * size else 0.0
                     unsure = abs(true - rounded) > 1e-12 * abs(true)
