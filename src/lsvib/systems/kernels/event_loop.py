@@ -12,15 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import types
 
-from lsvib.systems.kernels import (
-    flow_modal,
-    flow_planar,
-    flow_taylor,
-    guard_sums,
-    search_modal,
-    search_planar,
-    search_taylor,
-)
+from lsvib.systems.kernels import flow_modal, flow_planar, flow_taylor, search_modal, search_planar, search_taylor
 from lsvib.systems.kernels.flow_planar import level
 from lsvib.systems.kernels.jit import (
     allocating_entry,
@@ -58,7 +50,7 @@ LARGEST = 1e150  # a coordinate beyond it has left the range of numbers: its squ
 advance = by_kind(flow_planar.advance, flow_modal.advance, flow_taylor.advance)
 travel = by_kind(flow_planar.travel, flow_modal.travel, flow_taylor.travel)
 slopes_at = by_kind(flow_planar.slopes_at, flow_modal.slopes_at, flow_taylor.slopes_at)
-workspace = by_kind(search_planar.room_for, guard_sums.room_for, search_taylor.room_for)
+workspace = by_kind(search_planar.room_for, search_modal.room_for, search_taylor.room_for)
 search = by_kind(search_planar.search, search_modal.search, search_taylor.search)
 extremes = by_kind(search_planar.extremes, search_modal.extremes, search_taylor.extremes)
 

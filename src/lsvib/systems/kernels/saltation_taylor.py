@@ -6,26 +6,8 @@ each step of :mod:`lsvib.systems.kernels.flow_taylor`; so is y.
 
 import numpy as np
 
-from lsvib.systems.kernels.flow_taylor import (
-    CONTACT,
-    ETA,
-    MU,
-    POWER,
-    REST,
-    SLOPE,
-    STEEP,
-    begin,
-    field_at,
-    find_share,
-    go_on,
-    note_sizes,
-    piece_at,
-    product,
-    series_for,
-    slope_of_law,
-    take_step,
-    value_at,
-)
+from lsvib.systems.kernels import flow_taylor
+from lsvib.systems.kernels.flow_taylor import CONTACT, ETA, MU, POWER, REST, SLOPE, STEEP, product
 from lsvib.systems.kernels.jit import allocating_kernel, inlined_kernel, kernel
 from lsvib.systems.kernels.layout import ORDER
 
@@ -33,15 +15,15 @@ from lsvib.systems.kernels.layout import ORDER
 @kernel
 def field(flow, mode, state, rate, size):
     """Write x′ at a state, and the sizes of its terms, both (n)."""
-    field_at(flow, mode, state, state, rate, size)
+    flow_taylor.field_at(flow, mode, state, state, rate, size)
 
 
 @inlined_kernel
 def _steepness(flow, mode, piece, parts):
     """Write the series of q dη/dσ = q μ′ (1 − B η)² from those of the step."""
     feedback, slope, rest = flow.feedback[mode], parts[SLOPE], parts[REST]
-    find_share(flow, mode, parts)
-    slope_of_law(flow.pieces[piece], parts, slope)
+    flow_taylor.find_share(flow, mode, parts)
+    flow_taylor.slope_of_law(flow.pieces[piece], parts, slope)
     for k in range(ORDER):
         rest[k] = (1.0 if k == 0 else 0.0) - feedback * parts[ETA, k]
     for k in range(ORDER):  # products in place, from the highest power down
@@ -73,28 +55,28 @@ def _carry(flow, mode, piece, series, column, step, total, room):
                 value += flow.field[mode, i, j] * room[j, k]
             room[i, k + 1] = unit * value / (k + 1)
     for i in range(n):
-        total[i, column] = value_at(room[i], step / unit)
+        total[i, column] = flow_taylor.value_at(room[i], step / unit)
 
 
 @allocating_kernel
 def derivative(flow, mode, state, t, out, size):
     """Write the derivative (n, n) of the state after a time t [s] in ``mode`` by ``state``, and sizes of its terms."""
     n = state.size
-    series, room = series_for(n), np.empty((n, ORDER + 1))
-    begin(state, series)
-    piece, passed, steps = piece_at(flow, mode, state), 0.0, 0
+    series, room = flow_taylor.series_for(n), np.empty((n, ORDER + 1))
+    flow_taylor.begin(state, series)
+    piece, passed, steps = flow_taylor.piece_at(flow, mode, state), 0.0, 0
     for i in range(n):
         for j in range(n):
             out[i, j] = 1.0 if i == j else 0.0
             size[i, j] = 0.0
     while passed < t:
-        step, following = take_step(flow, mode, piece, series, t - passed)
+        step, following = flow_taylor.take_step(flow, mode, piece, series, t - passed)
         if piece >= 0:
             _steepness(flow, mode, piece, series.parts)
         for column in range(n):
             _carry(flow, mode, piece, series, column, step, out, room)
-        note_sizes(series, step)
-        go_on(series, step)
+        flow_taylor.note_sizes(series, step)
+        flow_taylor.go_on(series, step)
         for i in range(n):
             for j in range(n):
                 size[i, j] = max(size[i, j], abs(out[i, j]))

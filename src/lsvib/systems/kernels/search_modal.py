@@ -39,25 +39,16 @@ _SPARE = 2  # the node that is free while a root is looked for; nodes 0 and 1 ar
 
 @inlined_kernel
 def fastest(flow, mode):
-    """Return the largest rate [1/s] of a mode."""
-    most = 0.0
+    """Return the largest rate [1/s] of a mode, and the largest at which a term grows, zero if none does."""
+    most = growing = 0.0
     for pair in range(flow.pairs[mode]):
         row = flow.oscillators[mode, pair]
         most = max(most, abs(row[R1]), abs(row[R2]), abs(row[ALPHA]) + row[BETA])
+        growing = max(growing, own_rate(row))
     for single in range(flow.singles[mode]):
-        most = max(most, abs(flow.rates[mode, single]))
-    return most
-
-
-@inlined_kernel
-def fastest_growth(flow, mode):
-    """Return the largest rate [1/s] at which a term grows; at most zero if none does."""
-    growing = 0.0
-    for pair in range(flow.pairs[mode]):
-        growing = max(growing, own_rate(flow.oscillators[mode, pair]))
-    for single in range(flow.singles[mode]):
-        growing = max(growing, flow.rates[mode, single])
-    return growing
+        rate = flow.rates[mode, single]
+        most, growing = max(most, abs(rate)), max(growing, rate)
+    return most, growing
 
 
 @inlined_kernel
@@ -162,7 +153,7 @@ def search(flow, mode, state, guards, on_surface, limit, work):
         if on_surface[guard]:
             work.values[0, guard, 0] = 0.0
             work.values[0, guard, 1] = max(work.values[0, guard, 1], 0.0)
-    growing, rate = fastest_growth(flow, mode), fastest(flow, mode)
+    rate, growing = fastest(flow, mode)
     # Bounds of what grows are taken at the end of a step, so they are too large by e⁸ at most.
     longest = 8.0 / growing if growing > 0.0 else math.inf
     steps, a, step = 0, 0.0, min(limit, longest, first_step(flow, mode, work, count, rate))
@@ -322,13 +313,7 @@ def _root(flow, mode, work, guard, node, low, high, rate):
     t = high
     for count in range(GUESSES):
         value, slope, curvature = work.values[node, guard, 0], work.values[node, guard, 1], work.values[node, guard, 2]
-        if value > 0.0:
-            low = t
-        elif value == 0.0:
-            return t
-        else:  # negative, or overflown far beyond the root
-            high = t
-        t, found = next_guess(t, value, slope, curvature, low, high, rate, count)
+        t, found, low, high = next_guess(t, value, slope, curvature, low, high, rate, count)
         if found:
             return t
         node = _SPARE
@@ -347,8 +332,7 @@ def extremes(flow, mode, state, functional, duration):
     """
     n = state.size
     work, guards, on_surface = room_for(flow, 1), np.zeros((1, n + 1)), np.zeros(1, dtype=np.bool_)
-    rate, here, sizes = np.zeros(n + 1), np.empty(n), np.empty(n)
-    moves = False
+    rate, here, moves = np.zeros(n + 1), np.empty(n), False
     for j in range(n + 1):
         for i in range(n):
             rate[j] += functional[i] * flow.field[mode, i, j]
@@ -360,10 +344,8 @@ def extremes(flow, mode, state, functional, duration):
         return low, high
     passed, sign = 0.0, 0.0
     for _ in range(1_000_000):
-        for i in range(n):
-            sizes[i] = abs(here[i])
-        value, size = level(rate, here, sizes)
-        slope, _, _, _ = slopes_at(flow, mode, here, sizes, rate)
+        value, size = level(rate, here, here)
+        slope, _, _, _ = slopes_at(flow, mode, here, here, rate)
         on_surface[0] = sign != 0.0 or abs(value) <= size
         if sign == 0.0:
             sign = math.copysign(1.0, slope if on_surface[0] else value)

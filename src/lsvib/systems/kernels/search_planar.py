@@ -32,19 +32,25 @@ def next_guess(t, value, slope, curvature, low, high, rate, count):
     term that grows or decays fast is met at once), near the root to that of Halley's hyperbola, which is the same to
     third order. Its error is of the order of the cube of the step, in units of g′/g″ and 1/rate; a step below 10⁻⁶ of
     both is the last, so that rounding alone is left, and so is one that does not move t. Returns (new guess, whether it
-    is the root).
+    is the root, and the bracket that the value leaves).
     """
+    if 0.0 < value < _HUGE:
+        low = t
+    elif value == 0.0:
+        return t, True, low, high
+    else:  # negative, or overflown far beyond the root
+        high = t
     bend = value * curvature / (slope * slope)
     if abs(bend) < 0.1:
         new = t - 2.0 * value / (slope * (2.0 - bend))
     else:
         new = t + math.log1p(-bend) * slope / curvature if bend < 1.0 else math.nan
     if new == t:
-        return t, True
+        return t, True, low, high
     if low < new < high and (count < 8 or count % 2 == 0):  # after some steps bisection takes turns
-        return new, abs(new - t) * max(rate, abs(curvature / slope)) < 1e-6
+        return new, abs(new - t) * max(rate, abs(curvature / slope)) < 1e-6, low, high
     middle = 0.5 * (low + high)
-    return middle, middle in (low, high)
+    return middle, middle in (low, high), low, high
 
 
 @inlined_kernel
@@ -99,13 +105,7 @@ def _descent(row, shape, low, high, guess):
     rate = abs(row[ALPHA]) + row[BETA] + row[DELTA]
     for count in range(GUESSES):
         value, slope, curvature = _value(row, shape, t)
-        if 0.0 < value < _HUGE:
-            low = t
-        elif value == 0.0:
-            return t
-        else:  # negative, or overflown far beyond the root
-            high = t
-        t, found = next_guess(t, value, slope, curvature, low, high, rate, count)
+        t, found, low, high = next_guess(t, value, slope, curvature, low, high, rate, count)
         if found:
             return t
     return t

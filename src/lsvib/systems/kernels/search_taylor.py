@@ -12,18 +12,7 @@ import numpy as np
 
 from lsvib.systems.kernels import flow_taylor
 from lsvib.systems.kernels.flow_planar import EPS, summed
-from lsvib.systems.kernels.flow_taylor import (
-    ETA,
-    affine,
-    begin,
-    find_share,
-    go_on,
-    is_settled,
-    piece_at,
-    series_for,
-    take_step,
-    value_at,
-)
+from lsvib.systems.kernels.flow_taylor import ETA, affine, begin, go_on, piece_at, series_for, take_step, value_at
 from lsvib.systems.kernels.jit import allocating_kernel, inlined_kernel, kernel
 from lsvib.systems.kernels.layout import CROSSING, GRAZE, LOST, NONE, ORDER
 
@@ -169,14 +158,13 @@ def _moves(series):
 def search(flow, mode, state, guards, on_surface, limit, work):
     """Find the first of several guards that falls through zero, or touches it from above, within ``limit`` [s].
 
-    Arguments: flow tables, mode, state (n), guards (g, n + 1), each positive at the start or – where ``on_surface`` (g)
-    – zero and not falling; that array is overwritten, and so is ``work``, whose steps are counted down: without any
-    left the search is undecided. Returns (``Found``, index of the guard, time [s]).
+    Arguments and what is returned are those of :func:`lsvib.systems.kernels.search_modal.search`.
     """
     begin(state, work)
     piece, passed, stalled = piece_at(flow, mode, state), 0.0, 0
     while passed < limit:
-        if is_settled(flow, mode, work.here):  # passages beside the point of rest, which are many, say nothing
+        # passages beside the point of rest, which are many, say nothing
+        if flow_taylor.is_settled(flow, mode, work.here):
             return NONE, -1, limit
         work.steps[0] -= 1.0
         step, following = take_step(flow, mode, piece, work, limit - passed)
@@ -214,7 +202,7 @@ def _functional(flow, mode, piece, series, functional):
         series.guard[k] = affine(functional, series.state, k, n)
     if functional.size == n + 1 or piece < 0:
         return
-    find_share(flow, mode, series.parts)
+    flow_taylor.find_share(flow, mode, series.parts)
     for k in range(ORDER):  # η is known to one order less
         for j in range(k + 1):
             series.guard[k] += series.parts[ETA, j] * affine(functional[n + 1 :], series.state, k - j, n)
