@@ -1,5 +1,6 @@
 """What the page asks of the engine, without a page: maps, motions and curves as plain arrays; and its exports."""
 
+from collections import Counter
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
@@ -149,9 +150,7 @@ def rgba(found: np.ndarray) -> np.ndarray:
 
 def shares(found: np.ndarray) -> dict[Attractor, float]:
     """Return the share [1] of the cells of each attractor, the largest first."""
-    values, counts = np.unique(found, return_counts=True)
-    order = np.argsort(-counts, kind="stable")
-    return {Attractor(int(values[k])): float(counts[k] / found.size) for k in order}
+    return {Attractor(kind): count / found.size for kind, count in Counter(found.ravel().tolist()).most_common()}
 
 
 def values_of(view: View, count: int) -> list[float]:

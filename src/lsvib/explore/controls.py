@@ -1,6 +1,7 @@
 """What a hand or a keyboard moves on the page: every parameter of every model, start, duration, range of the curve."""
 
 from collections.abc import Callable
+from typing import Any
 
 from bokeh.layouts import column, row
 from bokeh.models import Button, CheckboxGroup, Column, Select, Slider, TextInput
@@ -56,7 +57,7 @@ class Controls:
         self.parameters: Column = column(width=320, name="parameters")
         for key, control in (("over", self.over), *self.texts.items()):
             control.on_change("value", self._ask(key))
-        self.parts.on_change("active", self._ask_parts)
+        self.parts.on_change("active", self._ask("parts", lambda new: " ".join(tuple(PARTS)[k] for k in sorted(new))))
         self.fit.on_click(lambda: asked("fit", ""))
         self.show(view)
 
@@ -77,10 +78,6 @@ class Controls:
                 self._place(type(view.drive), key, value)
         finally:
             self._silent = False
-
-    def _ask_parts(self, attribute: str, old: list[int], new: list[int]) -> None:
-        if not self._silent:
-            self._asked("parts", " ".join(part for k, part in enumerate(PARTS) if k in new))
 
     def say_value(self, key: str, value: float) -> None:
         """Write a value that a slider gave into the field beside it."""
@@ -116,9 +113,9 @@ class Controls:
         start = -end if key in _SIGNED else zero
         self.sliders[key].update(start=start, end=end, step=step, value=value)
 
-    def _ask(self, key: str) -> Callable[[str, object, object], None]:
-        def changed(attribute: str, old: object, new: object) -> None:
+    def _ask(self, key: str, said: Callable[[Any], str] = str) -> Callable[[str, Any, Any], None]:
+        def changed(attribute: str, old: Any, new: Any) -> None:
             if not self._silent and new != old:
-                self._asked(key, str(new))
+                self._asked(key, said(new))
 
         return changed

@@ -81,7 +81,7 @@ class Page:
         except LsvibError as error:
             complaint = f"The link cannot be shown: {error}"
             self.show(View())
-        self._say(self._alert, escape(complaint))
+        self._alert.text = escape(complaint)
 
     def ask(self, key: str, text: str) -> None:
         """Take a request of a control; requests that come within a moment of each other are answered together."""
@@ -117,9 +117,9 @@ class Page:
                 self._redraw(self._changed(asked))
                 if any(not key.startswith("slider:") and key != "window" for key in asked):
                     self.controls.show(self.view)
-            self._say(self._alert, "")
+            self._alert.text = ""
         except LsvibError as error:
-            self._say(self._alert, escape(str(error)))
+            self._alert.text = escape(str(error))
             self.controls.show(self.view)
         self._answered = perf_counter()
 
@@ -182,7 +182,7 @@ class Page:
         query = escape(self.view.query(), quote=True)
         files = (("scene.yaml", "scene as YAML"), ("motion.nc", "motion as netCDF"))
         links = [f'<a href="export/{name}?{query}" download="{name}">{text}</a>' for name, text in files]
-        self._say(self._links, " &middot; ".join([f'<a href="?{query}">link to this view</a>', *links]))
+        self._links.text = " &middot; ".join([f'<a href="?{query}">link to this view</a>', *links])
         self._shares = {}
         self._say_words()
         self.document.add_next_tick_callback(self._find_out)
@@ -228,7 +228,7 @@ class Page:
         except CancelledError:
             return
         except LsvibError as error:
-            draw(self._say, self._alert, escape(str(error)))
+            draw(partial(self._alert.update, text=escape(str(error))))
 
     def _say_words(self, curves: Sequence[xr.Dataset] = ()) -> None:
         view, shown, steady = self.view, self.shown, self.shown.steady
@@ -265,18 +265,13 @@ class Page:
             vibrate = ", and ".join(map(_vibrating, curves, places))
             drives = f"{curves[0].amplitude.size} drives with {view.over} from {view.low:g} to {view.high:g}"
             words.append(f"Of {drives}, {vibrate}.")
-        self._say(self._words, escape(" ".join(words)))
+        self._words.text = escape(" ".join(words))
         patches = [
             f'<span style="display:inline-block;width:1em;height:1em;background:{COLOURS[plain(kind)]};opacity:.5">'
             f"</span>&nbsp;{plain(kind)}"
             for kind in self._shares
         ]
-        self._say(self._legend, "&emsp;".join(["Regions of attraction:", *patches]) if patches else "")
-
-    @staticmethod
-    def _say(place: Div, text: str) -> None:
-        if place.text != text:
-            place.text = text
+        self._legend.text = "&emsp;".join(["Regions of attraction:", *patches]) if patches else ""
 
     def _lay_out(self) -> None:
         c = self.controls

@@ -53,13 +53,10 @@ _LOOKS: dict[str, dict[str, list[Any]]] = {  # of the rows of the sources, befor
         "colour": [style.BLACK, style.BLUE],
         "fill": [style.BLACK, "white"],
     },
-    "history": {"x": [], "y": []},
-    "curve": {"x": [], "y": [], "colour": []},
-    "near": {"x": [], "y": [], "colour": []},
+    **{name: {"x": [], "y": []} for name in ("history", "law", "visited")},
+    **{name: {"x": [], "y": [], "colour": []} for name in ("curve", "near")},
     "marks": {"x": [], "name": []},
     "bar": {"x": []},
-    "law": {"x": [], "y": []},
-    "visited": {"x": [], "y": []},
 }
 # Painted without title, axes, grid and legend, which take longer than all that a redraw changes; seen once clipped.
 _ABOVE = {"level": "overlay", "visible": False}
@@ -191,7 +188,7 @@ class Plots:
             (over,) = curve.dims
             colours = [COLOURS[plain(Attractor(kind))] for kind in curve.attractor.values.tolist()]
             self.sources[name].data = {"x": curve[over].values, "y": curve.amplitude.values, "colour": colours}
-        amplitudes = np.concatenate([np.zeros(1), *(curve.amplitude.values for curve in curves)])
+        amplitudes = np.concatenate([curve.amplitude.values for curve in curves])
         amplitudes = amplitudes[np.isfinite(amplitudes)]
         # An axis of 0.01 rad where nothing vibrates; a range without numbers would be a warning of Bokeh's.
         low, high = _steady_range(amplitudes if np.any(amplitudes) else np.array([0.01]))
