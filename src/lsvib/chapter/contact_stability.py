@@ -29,6 +29,7 @@ growth rate above the critical mass of the rigid drive, unstable beyond the dott
 dampings at which it is stable, which for soft contacts are two intervals. See docs/lemmas.md.
 """
 
+_CONTACT = ("contact_stiffness", "contact_damping")
 _LARGEST_MASS = 1e9  # kg, the end of the range of the mass
 _NEAR = 1e-6  # relative distance from a critical mass at which LAPACK must see the change
 _BESIDE = np.array([1 - _NEAR, 1 + _NEAR])
@@ -72,7 +73,7 @@ def build(settings: of.Values) -> xr.Dataset:
             **drive_parameters(
                 contacts,
                 "contact",
-                along=("contact_stiffness", "contact_damping"),
+                along=_CONTACT,
                 axes=("mass",),
                 printed=("Sect. 8.6", "Sect. 8.6.1"),
                 no_effect=("axial_force", "input_speed"),
@@ -164,10 +165,8 @@ def _critical_mass_checks(dataset: xr.Dataset, drive: of.Values) -> list[Check]:
     By LAPACK these masses, and the ends of the intervals of dampings at which a contact is stable, of soft ones two.
     """
     rigid, own = float(dataset.critical_mass), dataset.critical_mass_with_contact.values
-    contacts = zip(own, dataset.contact_stiffness.values, dataset.contact_damping.values, strict=True)
-    sides = [
-        _largest_real_part(drive, mass=m * _BESIDE, contact_stiffness=k, contact_damping=c) for m, k, c in contacts
-    ]
+    contacts = {name: dataset[name].values[:, None] for name in _CONTACT}
+    sides = _largest_real_part(drive, mass=own[:, None] * _BESIDE, **contacts)
     crossing = {"sides": [f"{a:.2e} and {b:.2e}" for a, b in sides], "beside": _NEAR}
     masses, every = dataset.curve_critical_mass_with_contact, dataset.stable_at_every_mass.values == 1
     lost, again = np.isfinite(masses), np.isfinite(dataset.stable_again.values)
@@ -175,18 +174,17 @@ def _critical_mass_checks(dataset: xr.Dataset, drive: of.Values) -> list[Check]:
     swept = (masses.values[~every] < rigid).all() and softest < float(dataset.unstable_contact_stiffness[0])
     kinds = {"lost": lost, "masses": masses, "every": every, "again": again, "softest": softest}
 
-    def grows(k: float, damping: np.ndarray) -> list[bool]:
-        light = {**drive, "mass": float(dataset.mass[1])}
-        return [bool(x > 0) for x in _largest_real_part(light, contact_stiffness=k, contact_damping=damping)]
+    stiffness, least = dataset.growth_contact_stiffness.values, dataset.least_contact_damping.values[:, None]
+    soft = np.isfinite(dataset.window_of_soft_contact.values).all(axis=1)
+    low, high = np.split(dataset.window_of_soft_contact.values[soft], 2, axis=1)
 
-    stiffness, least = dataset.growth_contact_stiffness.values, dataset.least_contact_damping.values
-    ends = np.array([grows(k, c * _BESIDE) == [True, False] for k, c in zip(stiffness, least, strict=True)])
-    low, high = dataset.window_of_soft_contact.values.T
-    soft = np.isfinite(low)
-    windows = np.array([
-        grows(k, np.concatenate([a * _BESIDE, [np.sqrt(a * b)], b * _BESIDE])) == [True, False, False, False, True]
-        for k, a, b in zip(stiffness[soft], low[soft], high[soft], strict=True)
-    ])  # fmt: skip
+    def grows(k: np.ndarray, dampings: np.ndarray) -> np.ndarray:
+        light = {**drive, "mass": float(dataset.mass[1])}
+        return _largest_real_part(light, contact_stiffness=k[:, None], contact_damping=dampings) > 0
+
+    ends = (grows(stiffness, least * _BESIDE) == [True, False]).all(axis=1)
+    around = np.hstack([low * _BESIDE, np.sqrt(low * high), high * _BESIDE])
+    windows = (grows(stiffness[soft], around) == [True, False, False, False, True]).all(axis=1)
     both = {"windows": windows, "ends": ends, "softest": stiffness[soft].max(initial=0.0), "beside": _NEAR}
     return [
         Check.that("contact_stability.drawn", (np.diff(own) < 0).all() and own[0] < rigid, masses=own, rigid=rigid),
@@ -229,7 +227,7 @@ def _lemma_checks(dataset: xr.Dataset, drive: of.Values) -> list[Check]:
 
 def _largest_real_part(drive: of.Values, **values: Any) -> np.ndarray:
     """Largest real part [1/s] of LAPACK's eigenvalues, for arrays of parameters."""
-    return eigenvalues({**drive, **values}, law=1)[:, -1].real
+    return eigenvalues({**drive, **values}, law=1)[..., -1].real
 
 
 @style.styled
