@@ -48,6 +48,7 @@ def build(settings: Values) -> xr.Dataset:
     if not all(masses):
         raise InputError("The drive is not self-locking (mu <= tan lambda), so it has no critical mass.")
     rigid, *closed = (least for least, *_ in masses)
+    mu = [[*place_values(one, "kinematic_constraint", "friction_coefficient"), np.nan][0] for one in nuts]
     friction = spans.even(settings["friction_coefficient"])
     drive.replace(friction_coefficient=float(friction.max()))  # refuses what is beyond cot λ
     values = dict(drive) | {"nut_inertia": inertia}
@@ -63,7 +64,7 @@ def build(settings: Values) -> xr.Dataset:
     holds = "friction coefficient from which on (8.33) holds, missing if from none"
     own, drawn, closed_form = drive.friction_coefficient, "drawn_friction_coefficient", "critical mass, in closed form"
     origin, deflection = cf.origin_of("friction_coefficient", own), float(coefficients(drive).deflection)
-    by, mu = "critical mass, where an eigenvalue 1/omega^2 passes through zero", _boundary_friction(drive, inertia)
+    by = "critical mass, where an eigenvalue 1/omega^2 passes through zero"
     return xr.Dataset(
         {
             "critical_mass_with_nut": cf.variable("nut_inertia", closed, "kg", closed_form, r"$m_\mathrm{cr}$"),
@@ -97,15 +98,6 @@ def _reduced(p: Values) -> tuple[np.ndarray, np.ndarray]:
     tangent, mu = np.tan(p["lead_angle"]), p["friction_coefficient"]
     screw, factor = together(p["screw_inertia"], p["nut_inertia"]), (mu - tangent) / (1 + mu * tangent)
     return screw, effective_inertia(screw, p["mass"], p["pitch_radius"], tangent, factor)
-
-
-def _boundary_friction(drive: Drive, inertia: np.ndarray) -> np.ndarray:
-    """μ = (ξ + tan λ) / (1 − ξ tan λ) with ξ = I_eff / (tan λ m r_m²), where I_eff = q; NaN if not below cot λ."""
-    tangent = np.tan(drive.lead_angle)
-    xi = together(drive.screw_inertia, inertia) / (tangent * drive.mass * drive.pitch_radius**2)
-    below = (xi * tangent < 1) & ((xi + tangent) * tangent < 1 - xi * tangent)
-    with np.errstate(divide="ignore"):
-        return np.where(below, (xi + tangent) / (1 - xi * tangent), np.nan)
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:
