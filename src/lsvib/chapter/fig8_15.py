@@ -76,7 +76,13 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
     along, word = "boundary_friction_coefficient", "critical friction coefficient"
     passing = "friction coefficient where an eigenvalue 1/omega^2 passes through zero"
     largest = math.nextafter(1 / math.tan(drive.lead_angle), 0)
-    by_eigenvalues = bisected(lambda mu: _turned(drive, mu), 0.0, largest) if _turned(drive, largest) else None
+
+    def turned(coefficient: float) -> bool:
+        """Whether one 1/ω² of (8.23) under law + is negative: it has a simple root where ω² has a pole."""
+        squares = reciprocal_squares({**dict(drive), "friction_coefficient": coefficient}, law=1)
+        return bool(np.prod(np.sign(squares.real)) < 0)
+
+    by_eigenvalues = bisected(turned, 0.0, largest)
     return xr.Dataset(
         {
             "stability": flagged(plane, kinds, "class of the steady sliding", UndampedClass),
@@ -103,12 +109,6 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
             comment="R Omega > 0; undamped; the text names Table 7.1, which is not in the chapter, for the parameters",
         ),
     )
-
-
-def _turned(drive: Drive, coefficient: float) -> bool:
-    """Whether one 1/ω² of (8.23) under law + is negative: it has a simple root where ω² has a pole."""
-    squares = reciprocal_squares({**dict(drive), "friction_coefficient": coefficient}, law=1)
-    return bool(np.prod(np.sign(squares.real)) < 0)
 
 
 def _printed(values: Values, law: int = 1) -> SimpleNamespace:
@@ -238,13 +238,12 @@ def _support_checks(dataset: xr.Dataset, drive: Values) -> list[Check]:
     minus = _printed(own, law=-1)
     against = np.min(np.concatenate([minus.inertia, minus.reduced]))
     necessary = not early.any() and against >= drive["screw_inertia"]
-    reduced_mass = drive["mass"] * drive["screw_mass"] / (drive["mass"] + drive["screw_mass"])
     rigid = {name: value for name, value in drive.items() if name not in PART_OF}
     locked = Drive.of(rigid, friction_coefficient=float(dataset.critical_friction))
     critical_mass = [*place_values(locked, "kinematic_constraint", "mass"), np.nan][0]
     return [
         Check.that("fig8_15.necessary", necessary, early=early, against=against),
-        Check.of("fig8_15.reduced_mass", critical_mass, expected=reduced_mass),
+        Check.of("fig8_15.reduced_mass", critical_mass, expected=together(drive["mass"], drive["screw_mass"])),
         Check.everywhere("fig8_15.paradoxes", kinematic == paradox[:, None], "points"),
         Check.everywhere("fig8_15.flutter", kinds[there] == UndampedClass.FLUTTER, "friction coefficients"),
     ]

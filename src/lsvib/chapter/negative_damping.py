@@ -12,10 +12,8 @@ from lsvib.chapter.checks import Check
 from lsvib.chapter.common import EIGENVALUE, Figure, about, spread
 from lsvib.chapter.settings import PhasePlane, Values
 from lsvib.drives.drive import Drive
-from lsvib.drives.mechanics import coefficients
 from lsvib.pictures import drawing
-from lsvib.stability.conditions import conditions
-from lsvib.stability.spectrum import eigenvalue_pair
+from lsvib.stability.conditions import stability
 
 _MARGINS = {  # the inequalities of (8.19): unit and wording; each holds where its margin is positive
     "self_locking": ("1", "margin of self-locking, mu - tan(lambda)"),
@@ -27,10 +25,8 @@ _MARGINS = {  # the inequalities of (8.19): unit and wording; each holds where i
 def plane(settings: Values, figure: str, words: str) -> xr.Dataset:
     """Compute the phase plane, the margins of (8.19), and eigenvalues."""
     drive = Drive(**settings["drive"])
-    c = coefficients(drive)
-    inertia, damping = float(c.gamma[c.steady_law]), float(c.damping[c.steady_law])
-    margins = conditions(drive)["negative_damping"].margins
-    real, dims = eigenvalue_pair(inertia, damping, drive.coupling_stiffness).real[None], ("case", "eigenvalue")
+    report, dims = stability(drive), ("case", "eigenvalue")
+    margins, real = report.conditions["negative_damping"].margins, np.real([report.eigenvalues])
     planes = phase_plane.portraits(settings, [drive], (), ("Sect. 8.5.1",)).assign_coords(eigenvalue=EIGENVALUE)
     return planes.assign(
         {f"margin_{key}": variable("case", [margins[key]], *words) for key, words in _MARGINS.items()}
