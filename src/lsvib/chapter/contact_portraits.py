@@ -39,8 +39,7 @@ _OF_RATE = (
     "b_s = cos(lambda) + s mu sin(lambda); see (8.8), (8.9)"
 )
 # Each begins at the saddle; on the side of law + where the saddle lies, or across zero force to the side of law -.
-_WAYS = product(("unstable", "stable"), ("away_from", "across"))
-_MANIFOLDS = [f"{kind}_{way}_zero_force" for kind, way in _WAYS]
+_MANIFOLDS = [f"{kind}_{way}_zero_force" for kind in ("unstable", "stable") for way in ("away_from", "across")]
 # First words of the entries of the legend, two to a column.
 _ENTRIES = ("contact", "start", "stable", "unstable", "bounded", "growing", "saddle", "centre", "asymptote")
 _WORDS = {"facecolor": "#FFFFFFC0", "linewidth": 0, "pad": 1.0}
@@ -182,9 +181,8 @@ def _by_newton(drives: Sequence[Drive]) -> Variables:
     accelerations = np.array([newton.equations(dict(base), law, True)[0][3] for law in _LAWS])  # e″ over (z, …, 1)
     offsets = accelerations[:, 0] * -torque / base.coupling_stiffness + accelerations[:, -1]
     slopes, dims = accelerations[:, 2] / rigidity, ("case", "law")
-    drift = (
-        base.screw_inertia * base.axial_force - base.mass * base.pitch_radius * math.tan(base.lead_angle) * torque
-    )  # W
+    lead = base.pitch_radius * math.tan(base.lead_angle)
+    drift = base.screw_inertia * base.axial_force - base.mass * lead * torque  # W
     zeros = -offsets / slopes * [lever(base, law) for law in _LAWS] / drift
     unit = math.sqrt(-rigidity * slopes[1])  # 1/s
     dampings = np.array([[drive.contact_damping * math.cos(drive.lead_angle)] for drive in drives])
@@ -259,7 +257,6 @@ def _indeterminate_checks(dataset: xr.Dataset) -> list[Check]:
     no_other = bounded.any() and unbounded.any() and (bounded | unbounded).all()
     is_saddle = (saddle.prod("eigenvalue") < 0).all() and (twist == 0).all()
     is_centre, is_focus = (growth[0] == 0) & (frequency[0] != 0), (growth[1] < 0) & (frequency[1] != 0)
-    focus = {"real": growth[1, 0], "imaginary": abs(frequency[1, 0])}
     return [
         *_common_checks(dataset, "minus infinity"),
         Check.that("fig8_01.two_solutions", (chi * dataset.law_side > 0).all(), chi=chi),
@@ -268,7 +265,7 @@ def _indeterminate_checks(dataset: xr.Dataset) -> list[Check]:
         Check.without_exception("fig8_01.loop", (bounded != inside).sum(), bounded.size, "starts"),
         Check.that("fig8_01.outcomes", no_other, **both),
         Check.everywhere("fig8_01.unbounded", last < float(dataset.grid_contact_force.min())),
-        Check.that("fig8_01.focus", is_focus.all(), **focus),
+        Check.that("fig8_01.focus", is_focus.all(), real=growth[1, 0], imaginary=abs(frequency[1, 0])),
         Check.that("fig8_01.settles", ends.size and gap < 0.01, ends=ends, gap=gap),
     ]
 

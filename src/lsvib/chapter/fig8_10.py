@@ -183,9 +183,8 @@ def draw(dataset: xr.Dataset) -> style.Figure:
               transform=over.transAxes)  # fmt: skip
     over.plot(force, dataset.swept_peak_normal_force / 1e3, color=style.BLUE)
     over.plot(dataset.axial_force, dataset.peak_normal_force / 1e3, "o", color=style.BLUE)
-    over.set(title="(c) ours: over $R$", xlabel=f"Axial force {style.label(force, ' ').strip()}")
+    over.set(title="(c) ours: over $R$", xlabel=style.label(force, "Axial force"), xlim=(0, float(force[-1])))
     over.set_ylabel("Peak of $N$ [kN]", color=style.BLUE)
-    over.set_xlim(0, float(force[-1]))
     over.tick_params(axis="y", which="both", right=False)
     distance = over.twinx()
     distance.plot(force, 100 * dataset.swept_orbit_distance, color=style.GREEN, linestyle="--")
@@ -207,13 +206,8 @@ def _force(peaks: style.Axes, sliding: style.Axes, dataset: xr.Dataset) -> None:
     peaks.text(0.99, 0.97, f"{printed:g} kN, printed", color=style.VERMILION, ha="right", va="top", fontsize=7,
                transform=peaks.transAxes)  # fmt: skip
     sliding.axhline(0, color=style.GREY, linewidth=0.6)
-    peaks.set(title="(b) contact force", ylim=(0, 1.06 * _top(dataset)))
-    peaks.set_ylabel("$N$ [kN]")
+    highest = max(printed, float(dataset.normal_force.max()) / 1e3)
+    peaks.set(title="(b) contact force", ylim=(0, 1.06 * 1.15 * highest), ylabel="$N$ [kN]")
     sliding.set(ylim=(-60.0, 160.0), xlabel="Time $t$ [ms]", ylabel="$N$ [N]")
     peaks.tick_params(labelbottom=False, bottom=False, top=False)
     sliding.tick_params(top=False)
-
-
-def _top(dataset: xr.Dataset) -> float:
-    """Upper end of an axis of the force [kN]: a little above the printed peak and what is drawn."""
-    return 1.15e-3 * max(float(dataset.printed_peak_normal_force), float(dataset.normal_force.max()))

@@ -19,7 +19,7 @@ from lsvib.answers.analysis import analyse, value
 from lsvib.answers.attributes import Variables, attributes, axis, counted, flag_names, flags, named, variable
 from lsvib.chapter import newton
 from lsvib.chapter.checks import Check
-from lsvib.chapter.common import Motion, about, spread
+from lsvib.chapter.common import about, spread
 from lsvib.chapter.settings import Cells, MassPair, OpposingForces, PhasePlane, Values
 from lsvib.drives.drive import Drive
 from lsvib.drives.mechanics import coefficients
@@ -164,20 +164,19 @@ def _reverse_slips(drives: Sequence[Drive], start: Values, duration: float) -> V
     That ratio [1], and the length [rad] over which the acceleration changes by all of it, are missing where Γ₊ > 0.
     """
 
-    def until_release(drive: Drive, rule: Resume) -> Motion:
-        """The motion up to its first release, or all of it."""
-        whole = phase_plane.followed(drive, [start["u"], start["w"]], duration, rule)
-        released = whole.time[whole.kind == Event.RELEASE].tolist()
-        return phase_plane.followed(drive, [start["u"], start["w"]], released[0], rule) if released else whole
+    def seized(drive: Drive, rule: Resume) -> np.ndarray:
+        """The deviation u [rad] at each seizure before the first release."""
+        motion = phase_plane.followed(drive, [start["u"], start["w"]], duration, rule)
+        released = np.cumsum(motion.kind == Event.RELEASE) > 0
+        return np.compress(~released & (motion.kind == Event.SEIZURE), motion.before[:, 0])
 
-    motions = [[until_release(drive, rule) for rule in RULES] for drive in drives]
-    longest = max(1, *((motion.kind == Event.SEIZURE).sum() for row in motions for motion in row))
+    seizures = [[seized(drive, rule) for rule in RULES] for drive in drives]
+    longest = max(1, *(angles.size for row in seizures for angles in row))
     away, limits = np.full((len(drives), len(RULES), longest), np.nan), np.full((2, len(drives)), np.nan)
-    for i, (drive, row) in enumerate(zip(drives, motions, strict=True)):
+    for i, (drive, row) in enumerate(zip(drives, seizures, strict=True)):
         c, corner = coefficients(drive), _corner(drive)
-        for j, motion in enumerate(row):
-            here = motion.kind == Event.SEIZURE
-            away[i, j, : here.sum()] = motion.before[here, 0] - corner
+        for j, angles in enumerate(row):
+            away[i, j, : angles.size] = angles - corner
         if c.gamma[1] <= 0:
             length = corner - float(c.damping[-1]) * drive.input_speed / drive.coupling_stiffness
             gain = float(c.q_row[1] / c.q_row[0]) * drive.coupling_stiffness * length / float(c.gamma[-1])  # |σ| a
@@ -280,24 +279,22 @@ def _accumulation_checks(heavy: xr.Dataset) -> list[Check]:
     How far a ratio is off is counted in what is allowed.
     """
     few, many = np.isfinite(heavy.seizure_distance.values).sum(axis=-1).T
-    excess, ends, words = [], [], []
-    for part in (heavy.isel(case=k) for k in range(len(few))):
-        ratio, length = float(part.seizure_ratio), float(part.acceleration_length)
-        distance = part.seizure_distance[1].dropna("seizure").values
-        rounding = _ROUNDING * abs(float(part.corner_angle))
-        clear = distance[1:] > rounding
-        allowed = distance[:-1] / length + rounding / np.maximum(distance[1:], rounding)
-        off = np.abs(distance[1:] / distance[:-1] / ratio - 1)
-        excess.append(float(np.max((off / allowed)[clear], initial=0.0)) if clear.sum() > 1 else np.inf)
-        ends.append(distance[-1])
-        close = np.argmin(np.where(clear, off, np.inf))
-        words.append(
-            f"R = {float(part.axial_force):g} N: {distance.size} seizures, ratio "
-            f"{distance[close + 1] / distance[close]:.7g} against {ratio:.7g}, the last at {distance[-1]:.1e} rad"
-        )
-    gap = max(ends) / float(heavy.corner_angle.min())
+    distance, rounding = heavy.seizure_distance.isel(rule=1), _ROUNDING * abs(heavy.corner_angle)
+    before = distance.shift(seizure=1)
+    ratio, clear = distance / before, before.notnull() & (distance > rounding)
+    off = abs(ratio / heavy.seizure_ratio - 1).where(clear, np.inf)
+    allowed = before / heavy.acceleration_length + rounding / np.maximum(distance, rounding)
+    excess = (off / allowed).where(clear, 0.0).max("seizure").where(clear.sum("seizure") > 1, np.inf)
+    most, closest = float(excess.max()), ratio.isel(seizure=off.argmin("seizure"))
+    ends = distance.isel(seizure=distance.count("seizure") - 1)
+    told = zip(heavy.axial_force.values, many, closest.values, heavy.seizure_ratio.values, ends.values, strict=True)
+    words = [
+        f"R = {r:g} N: {n} seizures, ratio {near:.7g} against {limit:.7g}, the last at {end:.1e} rad"
+        for r, n, near, limit, end in told
+    ]
+    gap = float(ends.max() / heavy.corner_angle.min())
     return [
-        Check.that("fig8_14.accumulate", max(excess) <= 1, motions="; ".join(words), most=max(excess)),
+        Check.that("fig8_14.accumulate", most <= 1, motions="; ".join(words), most=most),
         Check.that("fig8_14.in_corner", abs(gap) < 1e-12, gap=gap),
         Check.that("fig8_14.few", (few < many).all(), few=" and ".join(map(str, few)), many=many),
     ]
