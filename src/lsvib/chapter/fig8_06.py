@@ -174,19 +174,18 @@ def _reading_checks(dataset: xr.Dataset) -> list[Check]:
     """Check the printed values: C± do not depend on the mass; Γ± as printed do not belong to the stated one."""
     stated = float(dataset.mass)
     other = float(dataset.reading_mass.values[dataset.reading_mass.values != stated][0])
-    ours, theirs = ({str(name).removeprefix("reading_"): float(x) for name, x in dataset.sel(reading_mass=mass).items()
-                     if str(name).startswith("reading_")} for mass in (stated, other))  # fmt: skip
+    ours, theirs = (dataset.sel(reading_mass=mass) for mass in (stated, other))
     stands = {"inertia_minus": "fig8_06.inertia_minus", "inertia_plus": "fig8_06.inertia_plus"}
-    inertias = {id: ours[f"effective_{name}"] for name, id in stands.items()}
+    inertias = {id: float(ours[f"reading_effective_{name}"]) for name, id in stands.items()}
     wrong = [abs(x / claims()[id].value - 1) > 0.1 for id, x in inertias.items()]
-    forces = {chapter.THRESHOLDS[name]: theirs[name] for name in ("stick_force", "detach_force")}
+    forces = {chapter.THRESHOLDS[name]: float(theirs[f"reading_{name}"]) for name in ("stick_force", "detach_force")}
     off = [not abs(force / claims()[id].value - 1) <= 0.02 for id, force in forces.items()]
     read = f"as printed, read as that of m = {other:g} kg (with the stated m = {stated:g} kg it is"
     return [
-        Check.of("fig8_06.damping_minus", ours["effective_damping_minus"]),
-        Check.of("fig8_06.damping_plus", ours["effective_damping_plus"]),
+        Check.of("fig8_06.damping_minus", ours.reading_effective_damping_minus),
+        Check.of("fig8_06.damping_plus", ours.reading_effective_damping_plus),
         *(
-            Check.of(id, theirs[f"effective_{name}"], note=f"{read} {inertias[id]:.3g} kg m2)")
+            Check.of(id, theirs[f"reading_effective_{name}"], note=f"{read} {inertias[id]:.3g} kg m2)")
             for name, id in stands.items()
         ),
         Check.that("fig8_06.stated_mass", all(wrong), mass=stated, inertias=[*inertias.values()]),
