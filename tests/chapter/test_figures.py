@@ -8,6 +8,7 @@ import os
 import subprocess
 import sys
 from collections import defaultdict
+from dataclasses import replace
 from functools import cache
 from itertools import product
 from pathlib import Path
@@ -27,7 +28,7 @@ from lsvib.chapter import configuration
 from lsvib.chapter.contact_force import ForceOutcome
 from lsvib.chapter.fig8_03 import Stability
 from lsvib.chapter.newton import residual
-from lsvib.drives import mechanics, modes
+from lsvib.drives import mechanics, mechanism, modes
 from lsvib.drives.chapter import claims, listed
 from lsvib.drives.drive import forget
 from lsvib.drives.names import Event
@@ -288,6 +289,8 @@ def quantity(request, right, monkeypatch):
         monkeypatch.setattr(mechanics, name, lambda *values: formula(*values) * WRONG)
         if (power := {"Γ": 0, "C": 1}.get(request.param)) is not None:  # the coefficient that is made of it
             monkeypatch.setattr(mechanics.LinearParts, "polynomial", lambda parts: _wrong_at(whole(parts), power))
+            solved = mechanism.Mechanism.solve
+            monkeypatch.setattr(mechanism.Mechanism, "solve", lambda *known: _turning_wrongly(solved(*known), power))
     monkeypatch.setattr(motion, "_MANY_EVENTS", 100_000)  # of a motion; those of the right datasets have fewer
     forget()
     yield request.param
@@ -297,6 +300,16 @@ def quantity(request, right, monkeypatch):
 def _wrong_at(polynomial, place):
     # a quotient of integers, which every kind of number takes
     return tuple(x * 199 / 200 if k == place and x.__class__ is not int else x for k, x in enumerate(polynomial))
+
+
+def _turning_wrongly(found, power):
+    """What Newton's laws say of the screw of a rigid drive, as if its inertia (0) or damping (1) were wrong."""
+    if len(found.field) != 2:
+        return found
+    first, turning = found.field
+    if power == 1:
+        return replace(found, field=(first, _wrong_at(turning, 1)))
+    return replace(found, field=(first, tuple(x if x.__class__ is int else x * 200 / 199 for x in turning)))
 
 
 def _observing_wrongly(assemble):
