@@ -6,14 +6,14 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from lsvib.cli.app import app, show
-from lsvib.cli.options import CHAPTER, AsJson, DriveOptions, SceneFile
+from lsvib.cli.options import AsJson, Changes, SceneFile, drive_of
 from lsvib.drives.thresholds import TABLE
 from lsvib.errors import InputError
 from lsvib.words import table
 
 
 @app.command
-def config(*, drive: DriveOptions = CHAPTER, scene: SceneFile = None, as_json: AsJson = False) -> None:
+def config(*, changes: Changes = None, scene: SceneFile = None, as_json: AsJson = False) -> None:
     """Show the effective parameters of a drive, with units and allowed ranges.
 
     Examples of use:
@@ -31,23 +31,17 @@ def config(*, drive: DriveOptions = CHAPTER, scene: SceneFile = None, as_json: A
     for key in start:
         if key not in Scene.model_fields:
             raise InputError(f"{key} is not a known key; the known keys are {', '.join(Scene.model_fields)}.")
-    fields = {}
-    made = Drive.of(names_and_values("drive", start.get("drive"))).replace(**drive.values())
+    fields, rows = {}, []
+    made = Drive.of(names_and_values("drive", start.get("drive"))).replace(**dict(changes or ()))
     for key, value in made.model_dump().items():
-        about = described(key)
-        allowed = allowed_range(Drive, key)
+        about, allowed = described(key), allowed_range(Drive, key)
         fields[key] = {"value": value, "unit": about["unit"], "symbol": about["symbol"], "allowed": allowed}
-
-    def text() -> Iterator[str]:
-        values = ("not there" if one["value"] is None else f"{one['value']:.15g}" for one in fields.values())
-        rows = ((key, one["symbol"], next(values), one["unit"], one["allowed"]) for key, one in fields.items())
-        yield table(rows, "parameter", "symbol", "value", "unit", "allowed range")
-
-    show(fields, as_json, text())
+        rows.append((key, about["symbol"], "not there" if value is None else f"{value:.15g}", about["unit"], allowed))
+    show(fields, as_json, [table(rows, "parameter", "symbol", "value", "unit", "allowed range")])
 
 
 @app.command
-def describe(*, drive: DriveOptions = CHAPTER, as_json: AsJson = False) -> None:
+def describe(*, changes: Changes = None, as_json: AsJson = False) -> None:
     """Show what a drive is made of: parts that comply, coordinates, equations of motion with numbers, modes.
 
     Example of use:
@@ -56,7 +50,7 @@ def describe(*, drive: DriveOptions = CHAPTER, as_json: AsJson = False) -> None:
     """
     from lsvib.drives.description import description_of
 
-    own = drive.drive()
+    own = drive_of(changes)
     found, where = description_of(own), "in steady sliding" if own.input_speed else "with the coupling relaxed"
 
     def text() -> Iterator[str]:
@@ -87,18 +81,14 @@ def pairings(*, as_json: AsJson = False) -> None:
         key: {"low": one.low, "high": one.high, "parameters": one.parameters(), "source": one.source}
         for key, one in PAIRINGS.items()
     }
-
-    def text() -> Iterator[str]:
-        rows = ((key, f"{one.low:g}", f"{one.high:g}", one.source) for key, one in PAIRINGS.items())
-        yield table(rows, "friction", "from", "to", "source")
-
-    show(found, as_json, text())
+    rows = ((key, f"{one.low:g}", f"{one.high:g}", one.source) for key, one in PAIRINGS.items())
+    show(found, as_json, [table(rows, "friction", "from", "to", "source")])
 
 
 @app.command
 def thresholds(
     *,
-    drive: DriveOptions = CHAPTER,
+    changes: Changes = None,
     solve: Annotated[str | None, Parameter(help=f"One threshold by name: {', '.join(TABLE)}.")] = None,
     unknown: Annotated[
         str | None,
@@ -119,7 +109,7 @@ def thresholds(
 
         lsvib thresholds --solve flutter --for mass --set contact_stiffness=1e8 --set contact_damping=5e4 --json
     """
-    asked = drive.drive()
+    asked = drive_of(changes)
     if solve is not None:
         one = asked.threshold(solve, unknown)
         show(one.to_json(), as_json, one.text())
@@ -130,7 +120,7 @@ def thresholds(
 
 
 @app.command
-def stability(*, drive: DriveOptions = CHAPTER, as_json: AsJson = False) -> None:
+def stability(*, changes: Changes = None, as_json: AsJson = False) -> None:
     """Say whether steady sliding is stable: its class, eigenvalues, and each condition of instability.
 
     Examples of use:
@@ -141,5 +131,5 @@ def stability(*, drive: DriveOptions = CHAPTER, as_json: AsJson = False) -> None
 
         lsvib stability --set screw_mass=11.6 --set support_stiffness=1e6 --set mass=15 --set friction_coefficient=0.3
     """
-    report = drive.drive().stability()
+    report = drive_of(changes).stability()
     show(report.to_json(), as_json, report.text())

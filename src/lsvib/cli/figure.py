@@ -81,14 +81,16 @@ def figure(
 
 
 def _name(number: str) -> str:
-    """Return the name of a figure, which may be given by its number in the chapter."""
+    """Return the name of a figure, which may be given by its number in the chapter, as 8.6 for fig8_06."""
     from lsvib.chapter.configuration import BENCHMARKS, FIGURES
 
-    labels = {name: _label(name) for name in (*FIGURES, *BENCHMARKS)}
-    for name, label in labels.items():
-        if number in (name, label):
+    labels = []
+    for name in (*FIGURES, *BENCHMARKS):
+        chapter, _, rest = name.removeprefix("fig").partition("_")
+        labels.append(f"{chapter}.{int(rest)}" if chapter.isdigit() and rest.isdigit() else name)
+        if number in (name, labels[-1]):
             return name
-    raise InputError(f"figure {number} is not one of {', '.join(labels.values())}.")
+    raise InputError(f"figure {number} is not one of {', '.join(labels)}.")
 
 
 def _changed_drive(number: str, name: str, section: Mapping[str, Any], changes: Mapping[str, str]) -> dict[str, Any]:
@@ -109,9 +111,3 @@ def _changed_drive(number: str, name: str, section: Mapping[str, Any], changes: 
     given = section.get("drive", {})
     Drive.of(changed(given, changes))  # refuses a key or a value with the words of the other commands
     return changed(given, {key: number_of(text) for key, text in changes.items()})
-
-
-def _label(name: str) -> str:
-    """Number of a figure of the chapter by its name: 8.6 for fig8_06; other figures keep their name."""
-    chapter, _, number = name.removeprefix("fig").partition("_")
-    return f"{chapter}.{int(number)}" if chapter.isdigit() and number.isdigit() else name

@@ -20,7 +20,7 @@ def attraction(
     *,
     grid: options.GridOfStarts,
     out: options.OutFile,
-    drive: options.DriveOptions = options.CHAPTER,
+    changes: options.Changes = None,
     quantities: Quantities = ["label"],  # noqa: B006
     workers: options.Workers = 1,
     figure: options.Picture = None,
@@ -39,11 +39,10 @@ def attraction(
     from lsvib.answers.map import summary, text
 
     files = options.Files(out, figure)
-    starts = {axis.key: tuple(axis[1:]) if isinstance(axis, options.Steps) else axis.number for axis in grid}
-    if figure and {axis.key for axis in grid if isinstance(axis, options.Steps)} != {"u", "w"}:
+    if figure and {key for key, values in grid if isinstance(values, tuple)} != {"u", "w"}:
         raise InputError("figure is for maps of u and w; leave it out for a plane of other coordinates.")
     asked, begin = [*quantities, "doubt"], perf_counter()
-    found = drive.drive().attraction(starts, quantities=asked, workers=workers, progress=ProgressLine())
+    found = options.drive_of(changes).attraction(dict(grid), quantities=asked, workers=workers, progress=ProgressLine())
     result = summary(found, perf_counter() - begin)
     files.write(found if "doubt" in quantities else found.drop_vars("doubt"), "lsvib.attraction")
     show(result, as_json, text(result), out)
@@ -51,7 +50,7 @@ def attraction(
 
 @app.command
 def resilience(
-    *, drive: options.DriveOptions = options.CHAPTER, window: options.Window = None, as_json: options.AsJson = False
+    *, changes: options.Changes = None, window: options.Window = None, as_json: options.AsJson = False
 ) -> None:
     """Find the largest perturbations that the rigid drive's steady sliding tolerates, and how much of a window settles.
 
@@ -59,6 +58,5 @@ def resilience(
 
         lsvib resilience --set mass=11 --set support_damping=1e-3 --set axial_force=-10 --window u=-0.3:0.3 w=-150:150
     """
-    part = {span.key: (span.low, span.high) for span in window} if window else None
-    reserve = drive.drive().resilience(part)
+    reserve = options.drive_of(changes).resilience(dict(window) if window else None)
     show(reserve.to_json(), as_json, reserve.text())

@@ -14,7 +14,7 @@ from lsvib.errors import InputError
 def simulate(
     *,
     out: options.OutFile,
-    drive: options.DriveOptions = options.CHAPTER,
+    changes: options.Changes = None,
     scene: options.SceneFile = None,
     start: options.Start = None,
     duration: Annotated[float | None, Parameter(help="Time [s] that the motion is followed.")] = None,
@@ -37,8 +37,8 @@ def simulate(
 
     files = options.Files(out, figure, reads=scene)
     given = {"duration": duration, "samples": samples, "start": options.start_of(start)}
-    changes = {key: value for key, value in given.items() if value is not None}
-    found = Simulation.of(as_scene(scene, changes, drive.values()))
+    stated = {key: value for key, value in given.items() if value is not None}
+    found = Simulation.of(as_scene(scene, stated, dict(changes or ())))
     files.write(found.file(), "lsvib.simulate")
     show(found.to_json(), as_json, found.text(), out)
 
@@ -47,7 +47,7 @@ def simulate(
 def sweep(
     *,
     over: options.Over,
-    drive: options.DriveOptions = options.CHAPTER,
+    changes: options.Changes = None,
     start: options.Start = None,
     workers: options.Workers = 1,
     out: options.OutFile | None = None,
@@ -72,10 +72,10 @@ def sweep(
     files = options.Files(out, figure)
     if figure and len(over) > 2:
         raise InputError("figure is for sweeps over one or two parameters; leave it out for more.")
-    drive.refuse(*over)
+    options.refuse_varied(changes, over)
     begin, begun = perf_counter(), options.start_of(start)
-    found = drive.drive().sweep(
-        start=begun, workers=workers, progress=ProgressLine("motions"), **{axis.key: axis.values() for axis in over}
+    found = options.drive_of(changes).sweep(
+        start=begun, workers=workers, progress=ProgressLine("motions"), **options.values_of(over)
     )
     result = summary(found, perf_counter() - begin)
     files.write(found)
@@ -83,7 +83,7 @@ def sweep(
 
 
 @app.command
-def cycles(*, drive: options.DriveOptions = options.CHAPTER, as_json: options.AsJson = False) -> None:
+def cycles(*, changes: options.Changes = None, as_json: options.AsJson = False) -> None:
     """Find the cycles of a drive, attracting and repelling: period, multipliers, amplitude, work.
 
     Examples of use:
@@ -92,7 +92,7 @@ def cycles(*, drive: options.DriveOptions = options.CHAPTER, as_json: options.As
 
         lsvib cycles --set contact_stiffness=1e8 --set contact_damping=1e8 --set mass=11 --json
     """
-    found = drive.drive().cycles()
+    found = options.drive_of(changes).cycles()
     show(found.to_json(), as_json, found.text())
 
 
@@ -100,7 +100,7 @@ def cycles(*, drive: options.DriveOptions = options.CHAPTER, as_json: options.As
 def follow(
     *,
     over: options.Ends,
-    drive: options.DriveOptions = options.CHAPTER,
+    changes: options.Changes = None,
     cycle: Annotated[options.Whole, Parameter(help="Which of the cycles that lsvib cycles lists, from 1.")] = 1,
     points: Annotated[options.Whole, Parameter(help="Most points each way.")] = 1000,
     out: options.OutFile | None = None,
@@ -118,11 +118,11 @@ def follow(
     from lsvib.answers.cycles import branch_dataset, branch_json, branch_text
     from lsvib.numbers import whole_between
 
-    files, made = options.Files(out, figure), drive.drive()
+    files, made = options.Files(out, figure), options.drive_of(changes)
     listed = made.cycles().cycles
     if not listed:
         raise InputError("the drive has no cycle to follow; see lsvib cycles.")
     chosen = listed[whole_between("cycle", cycle, 1, len(listed)) - 1]
-    branch = made.follow(chosen, over.key, (over.low, over.high), points=points, progress=ProgressLine("points"))
+    branch = made.follow(chosen, *over, points=points, progress=ProgressLine("points"))
     files.write(branch_dataset(branch))
     show(branch_json(branch), as_json, branch_text(branch))

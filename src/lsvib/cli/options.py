@@ -2,9 +2,8 @@
 
 import os
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
 
@@ -19,75 +18,53 @@ if TYPE_CHECKING:
     from lsvib.api import Drive
 
 
-class Pair(NamedTuple):
+class Pair(tuple[str, str]):
     """KEY=VALUE; the value stays text, which the drive reads and checks."""
 
-    key: str
-    value: str
 
-
-class Coordinate(NamedTuple):
+class Coordinate(tuple[str, float]):
     """KEY=NUMBER, in SI units."""
 
-    key: str
-    number: float
 
-
-class Span(NamedTuple):
+class Span(tuple[str, tuple[float, float]]):
     """KEY=LOW:HIGH, in SI units."""
 
-    key: str
-    low: float
-    high: float
 
-
-class Steps(NamedTuple):
+class Steps(tuple[str, tuple[float, float, int]]):
     """KEY=START:STOP:COUNT, in SI units."""
 
-    key: str
-    start: float
-    stop: float
-    count: int  # type: ignore[assignment]  # it hides tuple.count, which nobody calls
 
-    def values(self) -> "np.ndarray":
-        """Return so many values, both ends included; raises ``InputError``."""
-        from lsvib.answers.spans import spaced
+def _reader(**parts: Callable[[str], Any]) -> Callable[[str], tuple[str, Any]]:
+    """Return what reads ``KEY=PART:…`` from text: the key, and its value, or the tuple of them if there are several."""
 
-        count = numbers.whole_between(f"{self.key}: count", self.count, 1, 10_000_000)
-        return spaced(self.key, self.start, self.stop, count)
-
-
-_READERS: dict[type, Callable[[Any], Any]] = {str: str, float: numbers.number, int: numbers.whole}
-
-
-def _reader(form: type[NamedTuple]) -> Callable[[str], Any]:
-    """Return what reads one of the forms above from text."""
-    kinds = list(form.__annotations__.items())[1:]
-
-    def read(text: str) -> Any:
-        """Read ``KEY=VALUE:…``, or refuse it in one sentence."""
+    def read(text: str) -> tuple[str, Any]:
+        """Read the text, or refuse it in one sentence."""
         key, equals, value = text.partition("=")
-        parts = value.split(":") if len(kinds) > 1 else [value]
-        if not (key and equals and value) or len(parts) != len(kinds):
-            raise InputError(f"{text!r} is not of the form KEY={':'.join(name.upper() for name, _ in kinds)}.")
+        texts = value.split(":") if len(parts) > 1 else [value]
+        if not (key and equals and value) or len(texts) != len(parts):
+            raise InputError(f"{text!r} is not of the form KEY={':'.join(parts).upper()}.")
         try:
-            return form(key, *(_READERS[kind](part) for part, (_, kind) in zip(parts, kinds, strict=True)))
+            found = tuple(own(part) for own, part in zip(parts.values(), texts, strict=True))
         except numbers.NotNumber as error:
             raise InputError(f"{text} has a part that {error}.") from None
+        return key, found if len(found) > 1 else found[0]
 
     return read
 
 
-_pair, _coordinate, _span, _steps = (_reader(form) for form in (Pair, Coordinate, Span, Steps))
+_pair = _reader(value=str)
+_coordinate = _reader(number=numbers.number)
+_span = _reader(low=numbers.number, high=numbers.number)
+_steps = _reader(start=numbers.number, stop=numbers.number, count=numbers.whole)
 
 
-def _started(text: str) -> Coordinate:
-    return Coordinate("rest", 0.0) if text == "rest" else _coordinate(text)
+def _started(text: str) -> tuple[str, float]:
+    return ("rest", 0.0) if text == "rest" else _coordinate(text)
 
 
-def start_of(given: "list[Coordinate] | None") -> "dict[str, float] | Literal['rest'] | None":
+def start_of(given: list[Coordinate] | None) -> "dict[str, float] | Literal['rest'] | None":
     """Return what was given as a start: coordinates by name, the word rest, or nothing."""
-    found = {one.key: one.number for one in given or ()}
+    found = dict(given or ())
     return "rest" if list(found) == ["rest"] else found or None
 
 
@@ -98,23 +75,22 @@ def _whole(text: str) -> int:
         raise InputError(f"{text!r} {error}.") from None
 
 
-def one(read: Callable[[str], Any], help: str = "", **more: Any) -> Parameter:
+def one(read: Callable[[str], Any], help: str = "") -> Parameter:
     """Return an option whose text ``read`` reads."""
-    return Parameter(converter=lambda kind, tokens: read(tokens[0].value), n_tokens=1, accepts_keys=False,
-                     help=help, **more)  # fmt: skip
+    return Parameter(converter=lambda kind, tokens: read(tokens[0].value), n_tokens=1, accepts_keys=False, help=help)
 
 
 def several(read: Callable[[str], Any], help: str, **more: Any) -> Parameter:
     """Return an option with several values, each of which ``read`` reads; none of them may have the key of another."""
 
-    def convert(kind: Any, tokens: Sequence[Any]) -> list[Any]:
+    def convert(kind: Any, tokens: Sequence[Any]) -> list[tuple[str, Any]]:
         found: dict[str, Any] = {}
         for token in tokens:
-            item = read(token.value)
-            if item.key in found:
-                raise InputError(f"{item.key} is given twice; give it once.")
-            found[item.key] = item
-        return list(found.values())
+            key, value = read(token.value)
+            if key in found:
+                raise InputError(f"{key} is given twice; give it once.")
+            found[key] = value
+        return list(found.items())
 
     # No --no-OPTION, or --empty-OPTION, beside it.
     return Parameter(converter=convert, n_tokens=1, accepts_keys=False, negative="", help=help, **more)
@@ -148,35 +124,31 @@ Picture = Annotated[Path | None, Parameter(help="PNG file to draw it to; a PDF i
 AsJson = Annotated[bool, Parameter(name="--json", negative="", help="Print one JSON object.")]
 
 
-@Parameter(name="*")
-@dataclass(frozen=True)
-class DriveOptions:
-    """The drive that a command is about."""
+def drive_of(changes: list[Pair] | None) -> "Drive":
+    """Return the drive of Table 8.1 with changes; raises ``InputError``."""
+    from lsvib.api import Drive
 
-    changes: Changes = None
-
-    def values(self) -> dict[str, str]:
-        """Return the changed parameters, as text by name."""
-        return dict(self.changes or [])
-
-    def drive(self) -> "Drive":
-        """Return the drive; raises ``InputError``."""
-        from lsvib.api import Drive
-
-        return Drive.of(self.values())
-
-    def refuse(self, *axes: NamedTuple) -> None:
-        """Refuse parameters that are varied as well as changed; raises ``InputError``."""
-        values = self.values()
-        given = {key.removesuffix("_deg") for key in values}
-        if "friction" in values:
-            given |= stated(values["friction"]).keys()
-        for key in {axis[0] for axis in axes} & given:
-            raise InputError(f"{key} is varied and given by --set; give it once.")
+    return Drive.of(dict(changes or ()))
 
 
-CHAPTER = DriveOptions()
-"""The drive of Table 8.1."""
+def refuse_varied(changes: list[Pair] | None, over: list[Steps]) -> None:
+    """Refuse parameters that are varied as well as changed; raises ``InputError``."""
+    values = dict(changes or ())
+    given = {key.removesuffix("_deg") for key in values}
+    if "friction" in values:
+        given |= stated(values["friction"]).keys()
+    for key in dict(over).keys() & given:
+        raise InputError(f"{key} is varied and given by --set; give it once.")
+
+
+def values_of(over: list[Steps]) -> "dict[str, np.ndarray]":
+    """Return the values of each axis by its key, both ends included; raises ``InputError``."""
+    from lsvib.answers.spans import spaced
+
+    return {
+        key: spaced(key, start, stop, numbers.whole_between(f"{key}: count", count, 1, 10_000_000))
+        for key, (start, stop, count) in over
+    }
 
 
 def refuse_results_of_the_workflow(*files: Path | None) -> None:

@@ -42,8 +42,7 @@ def fit(
 
         lsvib fit examples/measured_screw/measured_screw.yaml --out fitted
     """
-    if out is not None:
-        refuse_results_of_the_workflow(out / "fit.nc")
+    refuse_results_of_the_workflow(out and out / "fit.nc")
     with _installed("fit", "assess"):
         from lsvib.sheets.fit_output import fit_file, text_of
 
@@ -81,8 +80,7 @@ def assess(
         return
     if sheet is None:
         raise InputError("lsvib assess needs the file of a data sheet; lsvib assess --template prints one to fill in.")
-    if out is not None:
-        refuse_results_of_the_workflow(out / "index.html")
+    refuse_results_of_the_workflow(out and out / "index.html")
     with _installed("assess", "assess"):
         from lsvib.sheets.output import assess_file
     result = assess_file(sheet, out, samples, seed)
