@@ -2,6 +2,9 @@
 
 A method does what the command of the same name does, by the same function. What a question needs is loaded when it is
 asked: making a drive, or asking for its stability, loads no engine. The examples begin with ``import lsvib``.
+
+Arguments that several methods have: ``workers`` is the number of threads, which changes no number, and ``progress`` is
+called with how many motions, rows of cells or points of a branch are done, and how many there are in all.
 """
 
 from collections.abc import Mapping, Sequence
@@ -264,7 +267,7 @@ class Drive(drive.Drive):
         * ``parameter``: its name; ``span``: its smallest and largest value [SI unit], with the drive's own between
           them.
         * ``points``: most of them each way; ``physics`` as of :meth:`automaton`.
-        * ``progress``: called with the numbers of points found and in all; a way that ends counts as all of its points.
+        * ``progress``: a way that ends counts as all of its points.
 
         Returns the branch, by pseudo-arclength continuation: its points, folds, changes of events and of stability, and
         why it ends. Raises ``InputError`` for a parameter or span that is not acceptable.
@@ -290,8 +293,6 @@ class Drive(drive.Drive):
         * ``over``: values [SI units] of each parameter by its name; all combinations of them are taken.
         * ``start``: as of :meth:`simulate`, of one motion of each drive. Without it a motion next to steady sliding is
           followed, and where that comes back one from far away and one from rest, to tell what the drive does.
-        * ``workers``: number of threads, which changes no number.
-        * ``progress``: called with the numbers of motions done and in all.
 
         Returns a dataset over the parameters with attractor, amplitude [rad], period [s], multiplier [1],
         peak_normal_force [N] and peak_normal_impulse [N s] of the motion next to steady sliding, or of that from the
@@ -328,8 +329,6 @@ class Drive(drive.Drive):
           ``{"u": (-0.1, 0.1, 40), "w": (-80, 80, 30)}``; or a :class:`lsvib.Grid`.
         * ``quantities``: any of label, time [s] (stored as settling_time), seizures, first_event and doubt (why a label
           is unresolved); the label is always there.
-        * number of ``workers``, which changes no number; ``progress``, called with
-          the numbers of rows done and in all.
 
         Returns a dataset over both coordinates with the label and the other quantities of each cell; of a rigid drive
         also the exact boundary and area of the region of attraction [rad²/s]. Raises ``InputError``, ``EngineError``.

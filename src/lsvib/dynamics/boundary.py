@@ -150,12 +150,9 @@ def basin(drive: Drive) -> Basin:
 
 
 def known_basin(drive: Drive) -> Basin | None:
-    """Return the basin of a drive of any model; None where its boundary is not known.
-
-    Those are drives that are not rigid, and the rigid ones for which :func:`basin` raises.
-    """
+    """Return the basin of a drive of any model; None where :func:`basin` raises, as its boundary is not known."""
     try:
-        return basin(drive) if drive.rigid else None
+        return basin(drive)
     except LsvibError:
         return None
 

@@ -70,16 +70,14 @@ def resilience(drive: Drive, window: Part | None = None) -> Resilience:
     covered (:func:`lsvib.dynamics.boundary.basin`).
     """
     window = None if window is None else Window.of(window)
-    share, nowhere = (math.nan if window is None else 1.0), (math.nan, math.nan)
-    everything = (math.inf, math.inf, math.inf, nowhere, share, window)
+    share = math.nan if window is None else 1.0
     if drive.rigid and automaton_of(drive).contracts and drive.support_damping > 0:
-        return Resilience("none", *everything)  # every motion settles, however slowly: no boundary is looked for
+        # every motion settles, however slowly: no boundary is looked for
+        return Resilience("none", math.inf, math.inf, math.inf, (math.nan, math.nan), share, window)
     try:
         region = basin(drive)
     except AttractsNothing as nothing:
         return Resilience("neutral" if nothing.neutral else "unstable", 0.0, 0.0, 0.0, (0.0, 0.0), 0.0 * share, window)
-    if not region.curves:
-        return Resilience(region.boundary.name.lower(), *everything)
     energy, state = least_energy(region)
     return Resilience(
         boundary=region.boundary.name.lower(),

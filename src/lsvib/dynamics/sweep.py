@@ -174,8 +174,6 @@ def _group_endings(drives: ManyDrives, group: Group, starts: np.ndarray) -> tupl
         slopes=np.zeros((size, n, n)),
     )
     one, row, rows = _in_rows(automaton.tables)
-    angle = np.zeros((len(automaton.codes), n + 1))
-    angle[:, 0] = 1.0
     members = kernels.Drives(
         tables=of_one_type(one),
         row=row,
@@ -183,7 +181,7 @@ def _group_endings(drives: ManyDrives, group: Group, starts: np.ndarray) -> tupl
         shortest_stay=np.asarray(automaton.tables.shortest_stay),
         starts=starts,
         force=automaton.functional("normal_force"),
-        angle=angle,
+        angle=np.tile(np.eye(1, n + 1), (len(automaton.codes), 1)),
         impulse=axial * along - torque * across,
     )
     followed, reverses = np.flatnonzero(done), np.int64(Event.CONTACT_REVERSAL)
@@ -198,8 +196,7 @@ def _group_endings(drives: ManyDrives, group: Group, starts: np.ndarray) -> tupl
     for name in kernels.NUMBERS.names or ():
         found[name][cycles] = answers.numbers[name][cycles]
     found.multiplier[cycles] = largest(answers.slopes[cycles])
-    spent = (outcomes == Outcome.SPENT) | (outcomes == Outcome.SPENT_STEADILY)
-    return cycles | spent | (outcomes == Outcome.SLIDES), found
+    return np.isin(outcomes, (Outcome.SLIDES, Outcome.CYCLE, Outcome.SPENT, Outcome.SPENT_STEADILY)), found
 
 
 def _in_rows(many: Tables) -> tuple[Tables, np.ndarray, np.ndarray]:

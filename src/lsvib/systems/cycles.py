@@ -105,13 +105,8 @@ class Cycle:
 
     def to_json_multipliers(self) -> list[float | list[float] | None]:
         """Return the multipliers: numbers, or real and imaginary parts; None where there is no derivative."""
-        return [_number(value) for value in self.multipliers]
-
-
-def _number(value: complex) -> float | list[float] | None:
-    if not np.isfinite(value):
-        return None
-    return float(value.real) if value.imag == 0 else [float(value.real), float(value.imag)]
+        found = [[value.real, value.imag] if value.imag else value.real for value in self.multipliers.tolist()]
+        return [value if np.isfinite(value).all() else None for value in found]
 
 
 def integrals(orbit: Motion, forms: Callable[[int], Iterable[np.ndarray]]) -> np.ndarray:
@@ -187,31 +182,26 @@ def search(automaton: Automaton, states: Iterable[np.ndarray], known: Cycle | No
 
     Attractors that cannot be determined are left out. The attracting cycles come first, then by period.
     """
-    found: list[Cycle] = []
-    families: list[SteadyState] = []
-    _add(found, known)
     endings: list[tuple[np.ndarray, SteadyState]] = []
     for state in states:
         # so that unresolved starts, however many, take less than twice the work of one
         lost = sum(steady.label == Attractor.UNRESOLVED for _, steady in endings)
-        steady = steady_state(automaton, state, max_events=300_000 // (1 + lost) ** 2)
-        endings.append((state, steady))
-        if steady.label == Attractor.NEUTRAL_FAMILY:
-            families = families or [steady]
-        _add(found, cycle_of(steady))
+        endings.append((state, steady_state(automaton, state, max_events=300_000 // (1 + lost) ** 2)))
     doubts = tuple(steady.doubt for _, steady in endings if steady.doubt is not None)
     searched = f"motions from {len(endings)} starts"
     if doubts:
         verb = "is" if len(doubts) == 1 else "are"
         searched += f", of which {len(doubts)} {verb} unresolved ({'; '.join(sorted(set(doubts)))})"
     edges = list(edge_cycles(automaton, endings, _on_edge))
-    for cycle in edges:
-        _add(found, cycle)
+    found: list[Cycle] = []
+    for cycle in (known, *(cycle_of(steady) for _, steady in endings), *edges):
+        if cycle is not None and not any(same_cycle(cycle, other) for other in found):
+            found.append(cycle)
+    found.sort(key=lambda cycle: (not cycle.attracting, cycle.period))
+    families = tuple(steady for _, steady in endings if steady.label == Attractor.NEUTRAL_FAMILY)[:1]
     hits = sum(cycle is not None for cycle in edges)
     searched += "; " + (_edges(len(edges), hits) if edges else "no two ended differently, so no edge was tracked")
-    return Search(
-        tuple(sorted(found, key=lambda cycle: (not cycle.attracting, cycle.period))), tuple(families), searched, doubts
-    )
+    return Search(tuple(found), families, searched, doubts)
 
 
 def _on_edge(section: Section) -> Cycle | None:
@@ -226,11 +216,6 @@ def _edges(count: int, hits: int) -> str:
     if count == 1:
         return f"the edge between their two basins, with {'a' if hits else 'no'} cycle on it"
     return f"{count} edges between their basins, {hits} of them with a cycle on it"
-
-
-def _add(found: list[Cycle], cycle: Cycle | None) -> None:
-    if cycle is not None and not any(same_cycle(cycle, other) for other in found):
-        found.append(cycle)
 
 
 def same_cycle(one: Cycle, other: Cycle) -> bool:

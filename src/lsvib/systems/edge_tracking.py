@@ -130,9 +130,7 @@ def _side_by_side(
     same = (one.kind[:count] == other.kind[:count]) & (one.mode[:count] == other.mode[:count])
     same &= one.kind[:count] != ACCUMULATION_KIND
     count = int(np.argmin(same)) if not same.all() else count
-    if count == 0:
-        return None
-    size = np.abs(one.after[:count]).max(axis=0)
+    size = np.abs(one.after[:count]).max(axis=0, initial=0.0)
     gaps = np.maximum.accumulate(_distance(one.after[:count], other.after[:count], size))
     count = int(np.searchsorted(gaps, _PARTED))
     if count == 0:
