@@ -83,14 +83,12 @@ def one_after_the_other(pieces: Sequence[tuple[Mapping[str, Any], float]]) -> di
     whole: dict[str, Any] = {
         **pieces[0][0],
         "shortest_stay": min(layout["shortest_stay"] for layout, _ in pieces),
-        "observables": {name: {} for name in pieces[0][0]["observables"]},
-        "parts": {name: {} for name in pieces[0][0]["parts"]},
+        **{name: {} for name in ("surfaces", "modes", "transitions", "observables", "parts")},
     }
-    whole |= {name: {} for name in ("surfaces", "modes", "transitions")}
     for k, (layout, duration) in enumerate(pieces):
         for name in ("observables", "parts"):
             for of, rows in layout[name].items():
-                whole[name][of] |= {f"{mode} {k}": row for mode, row in rows.items()}
+                whole[name].setdefault(of, {}).update({f"{mode} {k}": row for mode, row in rows.items()})
         whole["surfaces"] |= {f"{name} {k}": surface for name, surface in layout["surfaces"].items()}
         for name, transition in layout["transitions"].items():
             if k == 0 or name != "entry":

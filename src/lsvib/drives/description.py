@@ -9,9 +9,14 @@ from flint import arb
 from lsvib.drives import friction
 from lsvib.drives.drive import IN_WORDS, PARTS, Drive
 from lsvib.drives.mechanism import Mechanism, seated
-from lsvib.drives.model import Model, model_of
+from lsvib.drives.model import model_of
 from lsvib.drives.names import BODIES, WORDS
 from lsvib.systems.exact.arithmetic import many_digits
+
+_OWN = {
+    "angle_deviation": ("deviation u of the coupling deflection z = θ − Ω t from steady sliding", "rad"),
+    "velocity_deviation": ("rate w of that deviation; the screw turns at θ′ = Ω + w", "rad s-1"),
+}
 
 
 @dataclass(frozen=True)
@@ -51,19 +56,11 @@ def description_of(drive: Drive) -> Description:
         equations = (*_bodies(drive, float(mechanism.reach)), *_threads(drive, mechanism))
     return Description(
         parts=tuple(IN_WORDS[part] for part in drive.parts),
-        coordinates=_coordinates(model),
+        coordinates={name: _OWN.get(name) or WORDS[name][:2] for name in model.states},
         steady=steady,
         equations=equations,
         modes=tuple(mode.name.lower() for mode in model.modes),
     )
-
-
-def _coordinates(model: Model) -> dict[str, tuple[str, str]]:
-    own = {
-        "angle_deviation": ("deviation u of the coupling deflection z = θ − Ω t from steady sliding", "rad"),
-        "velocity_deviation": ("rate w of that deviation; the screw turns at θ′ = Ω + w", "rad s-1"),
-    }
-    return {name: own.get(name) or WORDS[name][:2] for name in model.states}
 
 
 def _bodies(drive: Drive, reach: float) -> list[str]:
@@ -112,7 +109,7 @@ def _sum(terms: list[tuple[str, float, str]]) -> str:
 
 def _threads(drive: Drive, mechanism: Mechanism) -> list[str]:
     slip = "θ′ − θ_2′" if "nut" in drive.parts else "θ′"
-    levers = [float(mechanism.lever(law)) for law in (1, -1)]
+    levers = [float(mechanism.lever(law, mechanism.slowest)) for law in (1, -1)]
     lines = [
         f"slip: τ = {levers[0]:.6g} n where n ({slip}) > 0, τ = {levers[1]:.6g} n where it is < 0",
         f"rest: {slip} = 0 while static friction, μ = {float(mechanism.d.static_friction):.6g}, holds",

@@ -76,7 +76,7 @@ class LawModes(Modes):
             if sign(np.isfinite(self.high) * 1.0) and d * q > 0:
                 self._bound(modes, name, f"beyond_{DIRECTIONS[d]}", d, self.high, -1, "beyond")
                 self.transitions["beyond"] = Transition(())
-        self._divide(modes, seen, parts)
+        self._divide(modes, [seen, *parts.values()])
         return parts
 
     def _split(self, d: int, law: int) -> tuple[Split, dict[str, Row], dict[str, Row]]:
@@ -99,32 +99,30 @@ class LawModes(Modes):
         """Add to the modes of the Painlevé region those above the band, where Γ₊ > 0; returns what they are."""
         starts, found, low = [], dict[str, Key](), self.low
         for d in DIRECTIONS:
-            minus, plus_name = self.name((d, -d, ())), self.name((d, d, ()))
+            minus, plus = self.name((d, -d, ())), self.name((d, d, ()))
             fast, where, surface = f"{minus}_fast", DIRECTIONS[d], modes[minus].guards[0].surface
-            reversals = f"contact_reversal_{plus_name}", f"contact_reversal_{fast}"
-            guards = (Guard(surface, d, reversals[0]),), (Guard(surface, -d, reversals[1]),)
-            modes[plus_name] = Mode(self.codes[plus_name], None, guards[0])
-            modes[fast] = Mode(self.codes[minus], None, guards[1])
-            found |= {plus_name: (d, d, ()), fast: (d, -d, ())}
-            self.transitions[reversals[0]] = Transition((Branch(fast, Event.CONTACT_REVERSAL, sign=-d),))
-            self.transitions[reversals[1]] = Transition((Branch(plus_name, Event.CONTACT_REVERSAL, sign=d),))
+            for name, other, side in ((plus, fast, d), (fast, plus, -d)):
+                found[name], reversal = (d, side, ()), f"contact_reversal_{name}"
+                modes[name] = Mode(self.codes[self.name(found[name])], None, (Guard(surface, side, reversal),))
+                self.transitions[reversal] = Transition((Branch(other, Event.CONTACT_REVERSAL, sign=-side),))
             self.transitions[f"slower_{where}"] = Transition((Branch(minus, Event.PASSAGE),))
             self.transitions[f"faster_{where}"] = Transition((Branch(fast, Event.PASSAGE),))
             self._bound(modes, minus, f"band_{where}", d, low, -1, f"faster_{where}")
             self._bound(modes, fast, f"band_{where}", d, low, 1, f"slower_{where}")
             # Before Γ₊ = 0 the deceleration grows without bound, and what is left of the time as the square of the
             # distance: here it is below rounding. Nearer to it, the rounding of Γ₊ itself makes steps short.
-            self._bound(modes, plus_name, f"jam_{where}", d, low * (1 + 3e-9), 1, f"contact_{minus}")
+            self._bound(modes, plus, f"jam_{where}", d, low * (1 + 3e-9), 1, f"contact_{minus}")
             above = self.surfaces[f"jam_{where}"].row, Test.POSITIVE
-            starts.append(Branch(plus_name, Event.RELEASE, (above, *self._carries(*self._known((d, -d, ())))[d])))
+            starts.append(Branch(plus, Event.RELEASE, (above, *self._carries(*self._known((d, -d, ())))[d])))
             starts.append(Branch(fast, Event.RELEASE, (above,)))
         self.transitions["entry"] = Transition((*starts, *self.transitions["entry"].branches))
         return found
 
-    def _divide(
-        self, modes: dict[str, Mode], seen: dict[str, dict[str, Row]], parts: dict[str, dict[str, Row]]
-    ) -> None:
-        """Divide the mode of steady sliding where θ′ passes Ω, unless there is none or the commanded speed changes."""
+    def _divide(self, modes: dict[str, Mode], tables: list[dict[str, Any]]) -> None:
+        """Divide the mode of steady sliding where θ′ passes Ω, unless there is none or the commanded speed changes.
+
+        In the ``tables`` of what is seen of modes both halves have the same.
+        """
         m = self.m
         if m.command or not m.turning:
             return
@@ -134,7 +132,5 @@ class LawModes(Modes):
         if steady not in modes:
             return
         sliding.divided(steady, Event.PASSAGE, modes, self.transitions, self.surfaces, seated(m))
-        half = f"{steady}_slow"
-        seen[half] = seen[steady]
-        for of_mode in parts.values():
-            of_mode[half] = of_mode[steady]
+        for of_mode in tables:
+            of_mode[f"{steady}_slow"] = of_mode[steady]

@@ -118,6 +118,5 @@ def _finite(automaton: Automaton, size: int) -> np.ndarray:
     """Whether all tables of drives (j) hold: the formulas leave what does not as no finite number."""
     held = [getattr(automaton.tables, name) for name in DIMENSIONS if name != "flow"]
     held += [*automaton.flow.numbers, *automaton.observables.values(), *automaton.parts.values()]
-    found: np.ndarray = np.broadcast_to(np.isfinite(automaton.condition), (size,))
-    found = np.logical_and.reduce([found, *(np.isfinite(table).reshape(size, -1).all(axis=1) for table in held)])
-    return found
+    held.append(np.broadcast_to(automaton.condition, (size,)))
+    return np.asarray(np.all([np.isfinite(table).reshape(size, -1).all(axis=1) for table in held], axis=0))

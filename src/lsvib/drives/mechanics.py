@@ -208,24 +208,17 @@ class LinearParts:
             if inertia in p and body.pushed:
                 pushed[body.pushed].append(((p[inertia], p[damping], p[stiffness]), [1]))
             elif inertia in p and body.on == "screw":
-                screw = _carrying(screw, p[inertia], (p[damping], p[stiffness]))
+                screw = _carrying(screw, (p[inertia], 0, 0), (p[damping], p[stiffness]))
         contact = (p["contact_damping"], p["contact_stiffness"]) if "contact_stiffness" in p else None
         factor = p["pitch_radius"] * t * (level - t)
         if "collar_friction" in p:
             factor = factor + law * t * p["collar_friction"] * p.get("collar_radius", 0) * (1 + level * t)
-        level_only = cls(
-            t=t,
-            g=1 + level * t,
-            h=p["pitch_radius"] * factor,
-            along=tuple(pushed["contact"]),
-            turning=(screw, *pushed["torque"]),
-            contact=contact,
-        )
-        if not moves:
-            return level_only
-        secant = p["secant"] if "secant" in p else root(1 + t * t)
-        sloped = p["pitch_radius"] ** 2 * (1 + t * t) * secant * carried(p, t, law) * rate
-        return replace(level_only, times=level_only.g, sloped=sloped)
+        g, times, sloped = 1 + level * t, 1, None
+        if moves:
+            secant = p["secant"] if "secant" in p else root(1 + t * t)
+            times, sloped = g, p["pitch_radius"] ** 2 * (1 + t * t) * secant * carried(p, t, law) * rate
+        along, turning = tuple(pushed["contact"]), (screw, *pushed["torque"])
+        return cls(t, g, p["pitch_radius"] * factor, along, turning, contact, times, sloped)
 
     def level(self) -> Self:
         """Return the same parts without the slope of friction, as if it stayed what it is in steady sliding."""
@@ -263,14 +256,12 @@ def _turned(p: Mapping[str, Any]) -> Fraction:
     own, spring = (p["screw_inertia"], p["support_damping"], 0), (p.get("coupling_damping", 0), p["coupling_stiffness"])
     if "motor_inertia" not in p:
         return (*own[:2], p["coupling_stiffness"]), [1]
-    motor = p["motor_inertia"], p["speed_gain"], p["integral_gain"]
-    both = _total([(1, motor), (1, spring)])
-    return _total([(1, multiplied(own, both)), (1, multiplied(spring, motor))]), both
+    return _carrying((own, [1]), (p["motor_inertia"], p["speed_gain"], p["integral_gain"]), spring)
 
 
-def _carrying(carrier: Fraction, inertia: Any, spring: Polynomial) -> Fraction:
-    """Return the polynomial of a body that carries another one on a spring, as a fraction."""
-    (above, below), moved = carrier, (inertia, 0, 0)
+def _carrying(carrier: Fraction, moved: Polynomial, spring: Polynomial) -> Fraction:
+    """Return the polynomial of a body that carries another one, ``moved``, on a spring, as a fraction."""
+    above, below = carrier
     own, carried_along = _total([(1, moved), (1, spring)]), multiplied(moved, spring)
     return _total([(1, multiplied(above, own)), (1, multiplied(below, carried_along))]), multiplied(below, own)
 

@@ -135,11 +135,6 @@ class Mechanism:
         self.slip, self.nut_speed = self._slip(rates), self._travel(rates)
         self.coupling_torque = plus(self.wound(rates), self.constant(self.steady_torque))
 
-    @property
-    def dampers(self) -> list[str]:
-        """The dampings of the parts, and of the screw where there are none."""
-        return [PARTS[part][-1] for part in self.parts[1:]] or ["support_damping"]
-
     def constant(self, value: Any) -> Row:
         """Return the row of a constant."""
         return (*self._zeros, value)
@@ -214,9 +209,9 @@ class Mechanism:
     def _travel(self, rates: Mapping[str, Row]) -> Row:
         return plus(scaled(self._slip(rates), self.reach), *(rates[part] for part in self.sliders))
 
-    def lever(self, law: int, mu: Any = None) -> Any:
-        """r_m ξ_s [m], which the torque of the threads is times n; ``mu`` is that of slow sliding by default."""
-        return self.d.pitch_radius * self._factor(self.slowest if mu is None else mu, law)
+    def lever(self, law: int, mu: Any) -> Any:
+        """r_m ξ_s [m], which the torque of the threads is times n."""
+        return self.d.pitch_radius * self._factor(mu, law)
 
     def _factor(self, mu: Any, law: int) -> Any:
         """ξ_s, and s μ_b r_b / r_m of a collar: it turns with the slip, so that its sign is that of the threads."""
@@ -229,8 +224,9 @@ class Mechanism:
         return scaled(row, self.d.cos_lead)
 
     def solve(self, direction: int, law: int, ways: Ways = (), mu: Any = None) -> Solution:
-        """Solve Newton's laws in slip in a direction (0: rest) under a law; ``mu``: see :meth:`lever`."""
+        """Solve Newton's laws in slip in a direction (0: rest) under a law, by default with μ of slow sliding."""
         law, (rates, held, bodies) = direction and law, self._bodies(direction, ways)
+        mu = self.slowest if mu is None else mu
         threads: list[Equation] = [
             (ties, plus(row, self.constant(added(*(-x * self._carried.get(name, 0) for name, x in ties.items())))))
             for ties, row in self._threads(law, mu, rates)
@@ -252,17 +248,18 @@ class Mechanism:
             "screw": [wound, self.constant(self.braked["screw"]), scaled(rates["screw"], -d.support_damping)],
             "load": [self.constant(self.braked["load"]), scaled(travel, -d.translation_damping)],
         }
+        left = dict(self._inertias)
         for name, way in going.items():
-            rows["screw" if name == "bearing" else "load"].append(self.constant(-self.limits[name] * way))
+            body = "screw" if name == "bearing" else "load"
+            rows[body].append(self.constant(-self.limits[name] * way))
+            if name in held:
+                left[body] = left[body] | {name: 1}
         for part in self.bodies:
             rows[part] = [self._spring(part, rates)]
             if BODIES[part].on == "screw":
                 rows["screw"].append(scaled(rows[part][0], -1))
             if part == "motor":
                 rows[part].append(scaled(wound, -1))
-        left = dict(self._inertias)
-        left["screw"] = left["screw"] | {name: 1 for name in held if name == "bearing"}
-        left["load"] = left["load"] | {name: 1 for name in held if name == "slide"}
         return rates, held, [(left[body], plus(*rows[body])) for body in left]
 
     def wound(self, rates: Mapping[str, Row]) -> Row:
@@ -310,8 +307,7 @@ class Mechanism:
             return [(turns, zero)]
         normal = self.pressed(rates)
         if law:
-            share = d.cos_lead + law * (self.slowest if mu is None else mu) * d.sin_lead
-            return [(turns, zero), ({"contact": 1}, scaled(normal, share))]
+            return [(turns, zero), ({"contact": 1}, scaled(normal, d.cos_lead + law * mu * d.sin_lead))]
         return [(turns, zero), ({"contact": 1, "torque": -d.tan_lead / d.pitch_radius}, scaled(normal, 1 / d.cos_lead))]
 
     def _solution(
@@ -328,7 +324,7 @@ class Mechanism:
         if self.compliant:
             normal = self.pressed(rates)
         elif law:
-            normal = scaled(contact, 1 / (d.cos_lead + law * (self.slowest if mu is None else mu) * d.sin_lead))
+            normal = scaled(contact, 1 / (d.cos_lead + law * mu * d.sin_lead))
         elif self.idle:  # the bearing holds all
             normal = scaled(contact, d.cos_lead)
         else:

@@ -42,9 +42,10 @@ from typing import Any
 import numpy as np
 
 from lsvib.drives import observables
+from lsvib.drives.drive import PARTS
 from lsvib.drives.mechanics import plus, rate_of
 from lsvib.drives.mechanism import Mechanism, Solution
-from lsvib.drives.names import DIRECTIONS, EVENTS, HOLDS, HOW, SIGNS, Event, Key, Resume, Ways, codes_of, mode_name
+from lsvib.drives.names import DIRECTIONS, HOLDS, HOW, SIGNS, Event, Key, Resume, Ways, codes_of, mode_name
 from lsvib.errors import InputError
 from lsvib.systems.automaton import SHORT_STAY, Automaton, Branch, Guard, Mode, Surface, Transition, assemble, scaled
 from lsvib.systems.exact.arithmetic import Row, added, double, place_of_largest, sign
@@ -200,7 +201,7 @@ class Modes:
             observables={name: {mode: rows[name] for mode, rows in seen.items()} for name in observables.TABLE},
             parts=parts,
             shortest_stay=SHORT_STAY * reduce(np.minimum, scales),
-            events=EVENTS,
+            events={int(event): event.name.lower() for event in Event},
             marks=marks,
             stands=not m.turning,
             passive=not m.compliant,
@@ -217,7 +218,7 @@ class Modes:
             zero = self.m.constant(0)
             return still_mode([zero if i in found.frozen else row for i, row in enumerate(found.field)])
         if not self.planar:
-            return linear_mode(found.field, self.m.sizes, found.frozen, self.m.dampers[-1])
+            return linear_mode(found.field, self.m.sizes, found.frozen, PARTS[self.m.parts[-1]][-1])
         stiffness, damping, force = found.field[1]
         return PlanarMode.of(1, -damping, -stiffness, force)
 

@@ -87,9 +87,6 @@ class Event(IntEnum):
     COMMAND = FIRST_MODEL_KIND + 12  # the commanded speed begins to change otherwise
 
 
-EVENTS = {int(event): event.name.lower() for event in Event}  # their names in datasets
-
-
 def sides_of_rest(parts: Iterable[str]) -> tuple[int, ...]:
     """Return the signs that n may have at rest, 0 alone where it is constant there: the load stands."""
     return (1, -1) if {"support", "threads"} & set(parts) else (0,)
@@ -104,7 +101,10 @@ def own_frictions(parts: Iterable[str], dry: Iterable[str]) -> tuple[str, ...]:
 
 @cache
 def codes_of(own: tuple[str, ...], sides: tuple[int, ...]) -> dict[str, int]:
-    """Return the codes of modes by name; arguments: see :class:`Mechanism`."""
+    """Return the codes of modes by name; arguments: see :class:`Mechanism`.
+
+    With compliant threads each way of the bodies has six modes, in one order.
+    """
     plain = [(d, q) for d in DIRECTIONS for q in SIGNS] + [(0, side) for side in sides]
     every: list[Ways] = [(), *(product(HOW, repeat=len(own)) if own else ())]
     names = (mode_name((*mode, ways), own if ways else ()) for ways in every for mode in plain)
@@ -117,11 +117,3 @@ def mode_name(key: Key, own: tuple[str, ...]) -> str:
     d, q, ways = key
     name = f"slip_{DIRECTIONS[d]}_{SIGNS[q]}" if d else f"rest{'_' + SIGNS[q] if q else ''}"
     return "_".join([name, *(f"{HOLDS[body]}_{HOW[way]}" for body, way in zip(own, ways, strict=True))])
-
-
-def is_under_law_plus(code: int) -> bool:
-    """Whether compliant threads slip under law s = +1 in the mode of a code: forward, n > 0, or backward, n < 0.
-
-    Each way of the bodies has six modes in one order, see :func:`codes_of`.
-    """
-    return code % 6 in (0, 3)

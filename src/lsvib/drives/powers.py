@@ -2,16 +2,13 @@
 
 import math
 from collections.abc import Iterator
-from functools import cached_property
 
 import numpy as np
 
 from lsvib.drives.drive import PARTS, Drive
 from lsvib.drives.friction import depends_on_speed
-from lsvib.drives.mechanism import Mechanism
-from lsvib.drives.names import BODIES, COORDINATES, is_under_law_plus
+from lsvib.drives.names import BODIES, COORDINATES
 from lsvib.systems.automaton import Automaton, product
-from lsvib.systems.exact.arithmetic import many_digits
 
 
 class Powers:
@@ -20,12 +17,12 @@ class Powers:
     A row is an affine function of the state: coefficients over x, then the constant. The product of two rows is a
     symmetric form over (x, 1), whose integral along a motion :mod:`lsvib.dynamics.energy` knows in closed form. Rows:
     ``screw``, θ′ [rad/s]; ``nut``, x′ [m/s]; ``slip``, the speed of the threads [rad/s]; ``rates``, those of the parts
-    that are there, by the names of the coordinates. Under a friction law, ``by_speed``, what friction takes out is a
-    pair of forms, the second of which counts η times.
+    that are there, by the names of the coordinates; ``rows``, those of observables by name and mode. Under a friction
+    law, ``by_speed``, what friction takes out is a pair of forms, the second of which counts η times.
     """
 
     def __init__(self, drive: Drive, automaton: Automaton) -> None:
-        self.drive, self.automaton = drive, automaton
+        self.drive, self.automaton, self.rows = drive, automaton, automaton.observables
         self.rests = automaton.marked(automaton.codes, "rest")
         unit = np.eye(len(automaton.states) + 1)
         self.one = unit[-1]
@@ -38,13 +35,6 @@ class Powers:
         self.by_speed = depends_on_speed(drive)
         self.sine, self.cosine = math.sin(drive.lead_angle), math.cos(drive.lead_angle)
 
-    @cached_property
-    def steady_torque(self) -> float:
-        """Torque of the motor in steady sliding [N m]."""
-        with many_digits():
-            d = self.drive.exact()
-            return float(Mechanism(d, self.drive.parts, d.steady_friction).steady_torque)
-
     def bodies(self) -> Iterator[tuple[str, np.ndarray, str, np.ndarray]]:
         """Yield the inertias of bodies with the rows of their speeds, and their dampers with the speeds of these."""
         yield "screw_inertia", self.screw, "support_damping", self.screw
@@ -55,16 +45,12 @@ class Powers:
                 faster = speed - self.rates["velocity_deviation"] if body.on == "screw" else speed
                 yield inertia, speed + self.drive.input_speed * self.one if body.on else speed, damper, faster
 
-    def row(self, name: str, mode: int) -> np.ndarray:
-        """Return the row of an observable in a mode."""
-        return np.asarray(self.automaton.observables[name][mode])
-
     def motor(self, mode: int) -> np.ndarray:
         """Return the power [W] that the motor puts in."""
-        torque = self.row("coupling_torque", mode)
+        torque = self.rows["coupling_torque"][mode]
         if "motor" in self.drive.parts:
-            given = self.steady_torque * self.one
-            torque = given - self.drive.integral_gain * self.rates["motor_angle"]
+            torque = torque[-1] * self.one  # that of steady sliding
+            torque = torque - self.drive.integral_gain * self.rates["motor_angle"]
             torque = torque - self.drive.speed_gain * self.rates["motor_rate"]
         return self.drive.input_speed * product(torque, self.one)
 
@@ -92,24 +78,26 @@ class Powers:
         """
         if not self.parting.any():
             return 0 * product(self.one, self.one)
-        normal = self.row("normal_force", mode)
+        normal = self.rows["normal_force"][mode]
         if self.rests[mode]:
-            return product(self.row("axial_contact_force", mode) - self.cosine * normal, self.parting)
+            return product(self.rows["axial_contact_force"][mode] - self.cosine * normal, self.parting)
         sliding = self.drive.pitch_radius / self.cosine * self.slip + self.sine * self.parting
-        law = 1 if is_under_law_plus(int(self.automaton.codes[mode])) else -1
+        law = 1 if self.automaton.codes[mode] % 6 in (0, 3) else -1  # forward, n > 0, or backward, n < 0: see codes_of
         return self.rubbed(law * product(normal, sliding))
 
     def friction(self, mode: int) -> Iterator[np.ndarray]:
         """Yield powers [W] of friction that keep their sign in a mode; their size is what friction takes out."""
         if not (self.parting.any() or self.rests[mode]):
-            form = product(self.row("normal_force", mode), self.slip)
+            form = product(self.rows["normal_force"][mode], self.slip)
             yield self.rubbed(self.drive.pitch_radius / self.cosine * form)
         if collar := self.drive.collar_friction * self.drive.collar_radius:
-            form = product(self.row("axial_contact_force", mode), self.screw)
-            more = self.automaton.parts["axial_contact_force"][mode] if self.by_speed else 0 * self.one
-            yield collar * (np.stack([form, product(more, self.screw)]) if self.by_speed else form)
+            form = product(self.rows["axial_contact_force"][mode], self.screw)
+            if self.by_speed:
+                more = product(self.automaton.parts["axial_contact_force"][mode], self.screw)
+                form = np.stack([form, more])
+            yield collar * form
         for name, speed in (("slide_friction", self.nut), ("bearing_friction", self.screw)):
-            if limit := getattr(self.drive, name, 0.0):
+            if limit := getattr(self.drive, name):
                 yield limit * product(speed, self.one)
 
     def rubbed(self, form: np.ndarray) -> np.ndarray:
