@@ -62,7 +62,7 @@ def oscillator(belt):
         "stop": Transition(standing),
         "release": Transition((Branch("below", RELEASE),)),
     }
-    divided("below", PASSAGE, modes, transitions, surfaces)
+    divided("below", PASSAGE, modes, transitions, surfaces, np.zeros(2))
     return assemble(
         states=("x", "v"), surfaces=surfaces, modes=modes, transitions=transitions, observables={},
         shortest_stay=1e-13, marks={"rest": frozenset([2])}, passive=True,

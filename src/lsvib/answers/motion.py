@@ -14,7 +14,7 @@ from lsvib import words
 from lsvib.answers import attributes as cf
 from lsvib.answers import phase_plane
 from lsvib.drives.automata import automaton_of
-from lsvib.drives.drive import changed, parameters_of
+from lsvib.drives.drive import Drive, changed
 from lsvib.drives.observables import TABLE
 from lsvib.drives.scene import Scene, read_yaml
 from lsvib.dynamics.impulses import Impulses, event_impulses
@@ -43,7 +43,9 @@ def as_scene(
         values = names_and_values("scene", scene)
     values = {**values, **changes}
     if drive:
-        values["drive"] = changed(parameters_of(values.get("drive")), drive)
+        given = values.get("drive")
+        given = given.model_dump() if isinstance(given, Drive) else names_and_values("drive", given)
+        values["drive"] = changed(given, drive)
     return Scene.of(values)
 
 

@@ -355,11 +355,6 @@ def changed(given: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, A
     return {**{key: value for key, value in given.items() if key not in dropped}, **changes}
 
 
-def parameters_of(drive: Drive | Mapping[str, Any] | None) -> dict[str, Any]:
-    """Return the names and values of a drive, which may be a drive or a mapping; ``InputError`` for anything else."""
-    return drive.model_dump() if isinstance(drive, Drive) else names_and_values("drive", drive)
-
-
 def require_direction(drive: Drive) -> None:
     """Raise ``InputError`` for a drive that is let go, which has no steady sliding."""
     if not drive.input_speed:

@@ -91,29 +91,22 @@ def _scale(d: Any) -> Any:
     return np.where(scale == 0, 1.0, scale) if isinstance(scale, np.ndarray) else scale
 
 
-def unbounded_coefficient(d: Any, speed: Any) -> Any:
-    """Return the sum above at a sliding speed [m/s], which may be negative [1]."""
-    return unbounded(d, speed)[0]
-
-
 def coefficient(d: Any, speed: Any) -> Any:
     """Return μ at a sliding speed [m/s]."""
-    value = unbounded_coefficient(d, speed)
+    value, _ = unbounded(d, speed)
     return value if sign(value, "friction_slope") >= 0 else 0 * value
 
 
 def levels(d: Any) -> dict[str, Any]:
-    """Return what motion and rest begin with: ``steady_friction``, ``static_friction`` and ``collar``."""
+    """Return what motion and rest begin with: ``steady_friction`` and ``static_friction``, and ``collar``.
+
+    That is μ_b r_b / r_m, by which a thrust collar adds to |ξ_s| [1]; exactly zero without one.
+    """
     # the very parameters where friction does not depend on speed
     steady = coefficient(d, steady_speed(d)) if depends_on_speed(d) else d.friction_coefficient
     static = d.static_friction_coefficient if sign(d.static_friction_coefficient) else slowest(vars(d))
-    return {"steady_friction": steady, "static_friction": static, "collar": collar(d)}
-
-
-def collar(d: Any) -> Any:
-    """Return μ_b r_b / r_m, by which a thrust collar adds to |ξ_s| [1]; exactly zero without one."""
-    there = not _zero(getattr(d, "collar_friction", 0)) and not _zero(getattr(d, "collar_radius", 0))
-    return d.collar_friction * d.collar_radius / d.pitch_radius if there else 0
+    collar = 0 if _zero(d.collar_friction) else d.collar_friction * d.collar_radius / d.pitch_radius
+    return {"steady_friction": steady, "static_friction": static, "collar": collar}
 
 
 def check(drive: Any, limit: float) -> None:

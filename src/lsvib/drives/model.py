@@ -9,7 +9,7 @@ the parts.
 from collections.abc import Mapping
 from enum import IntEnum
 from functools import cache, cached_property
-from typing import TYPE_CHECKING, cast
+from typing import cast
 
 import numpy as np
 
@@ -18,9 +18,6 @@ from lsvib.drives.drive import DRY, PARTS, Drive
 from lsvib.drives.mechanism import seated_state, standing_state
 from lsvib.drives.names import COORDINATES, Event, codes_of, own_frictions, sides_of_rest
 from lsvib.errors import InputError
-
-if TYPE_CHECKING:  # a scene can be read and refused without the engine
-    pass
 
 _EQUATIONS = {"threads": "eqs 8.6, 8.7", "support": "eqs 8.23-8.32", "nut": "Sect. 5.8, eq. 8.33"}
 _CONSTRAINT = {
@@ -80,10 +77,6 @@ class Model:
     def from_rest(self, drive: Drive) -> dict[str, float]:
         """Return the start at which the screw stands with the coupling relaxed while the motor begins to turn at Ω."""
         return dict(zip(self.keys, standing_state(drive).tolist(), strict=True))
-
-    def physics_of(self, drive: Drive) -> tuple[str, ...]:
-        """Return the words of all that a drive has: its terms that are not zero, and the options."""
-        return (*(term for term in self.terms if getattr(drive, term) != 0), *self.options)
 
     def initial_state(self, drive: Drive, values: Mapping[str, float]) -> np.ndarray:
         """Return the state of a start, else as in steady sliding; ``InputError`` if a key is missing or not known."""

@@ -82,7 +82,9 @@ class Scene(BaseModel):
     @property
     def terms(self) -> tuple[str, ...]:
         """The physics of the scene, spelled out."""
-        return self.definition.physics_of(self.drive) if self.physics is None else self.physics
+        if self.physics is not None:
+            return self.physics
+        return (*(term for term in self.definition.terms if getattr(self.drive, term)), *self.definition.options)
 
     @property
     def rests(self) -> bool:

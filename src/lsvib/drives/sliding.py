@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from lsvib.drives import friction
-from lsvib.drives.friction import unbounded, unbounded_coefficient
+from lsvib.drives.friction import unbounded
 from lsvib.numbers import bisected
 from lsvib.systems.automaton import Branch, Guard, Mode, Surface, Transition, scaled
 from lsvib.systems.exact.arithmetic import Divided, Row, double, doubles, many_digits, sign
@@ -48,10 +48,10 @@ def pieces_of(drive: Any) -> np.ndarray:
         return piece[None]
     # The law falls for ever, so it comes to zero once; with a rise later than without.
     low = high = drive.friction_coefficient / -drive.friction_slope
-    while unbounded_coefficient(drive, high) > 0:
+    while unbounded(drive, high)[0] > 0:
         high = 2 * high + 1e-300
     zero = np.zeros(PIECE)
-    (end,) = _passes(lambda v: unbounded_coefficient(drive, v), [low, high]) or [low]
+    (end,) = _passes(lambda v: unbounded(drive, v)[0], [low, high]) or [low]
     zero[FROM], zero[TO], piece[TO] = end, math.inf, end
     return np.array([piece, zero])
 
@@ -86,7 +86,7 @@ def critical_coefficient(inertia: Any, d: Any, mass: Any) -> float:
 
 
 def _mu(drive: Any, speed: float) -> float:
-    return float(max(unbounded_coefficient(drive, speed), 0.0))
+    return float(max(unbounded(drive, speed)[0], 0.0))
 
 
 def _passes(function: Callable[[float], float], marks: Sequence[float]) -> list[float]:
@@ -102,17 +102,15 @@ def divided(
     modes: dict[str, Mode],
     transitions: dict[str, Transition],
     surfaces: dict[str, Surface],
-    steady: np.ndarray | None = None,
+    steady: np.ndarray,
 ) -> None:
-    """Divide the mode that steady sliding lies in at w = 0, in place; ``kind`` is that of the event in between.
-
-    ``steady`` (n): the state of steady sliding, where it is not zero.
+    """Divide the mode that ``steady`` sliding (n) lies in at w = 0, in place; ``kind``: of the event in between.
 
     The region that no motion leaves goes into both halves (:func:`lsvib.systems.exact.taylor_form.settled_region`).
     """
-    slow, mode, n = f"{name}_slow", modes[name], len(next(iter(surfaces.values())).row) - 1
+    slow, mode, n = f"{name}_slow", modes[name], steady.shape[-1]
     rows = [doubles(scaled(surfaces[guard.surface].row, guard.sign), (n + 1,)) for guard in mode.guards]
-    flow = replace(mode.flow, settled=settled_region(mode.flow, rows, np.zeros(n) if steady is None else steady))
+    flow = replace(mode.flow, settled=settled_region(mode.flow, rows, steady))
     deviation = tuple(1 if i == 1 else 0 for i in range(n + 1))
     surfaces["passage"] = Surface(deviation, 1)
     for own, other, side in ((name, slow, 1), (slow, name, -1)):

@@ -131,7 +131,7 @@ def friction_visited(drive: Drive, shown: Followed) -> tuple[np.ndarray, np.ndar
     if np.ptp(np.sign(shown.turning)) == 2:  # it turns back in between
         ends = 0.0, ends[1]
     speeds = np.unique(np.append(np.linspace(0.0, 1.25 * ends[1] or 1.0, 301), ends))
-    coefficients = np.maximum(np.broadcast_to(friction.unbounded_coefficient(drive, speeds), speeds.shape), 0.0)
+    coefficients = np.maximum(np.broadcast_to(friction.unbounded(drive, speeds)[0], speeds.shape), 0.0)
     return speeds, coefficients, (speeds >= ends[0]) & (speeds <= ends[1])
 
 

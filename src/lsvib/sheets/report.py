@@ -80,7 +80,7 @@ def of_curve(draw: Draw) -> dict[str, Any] | None:
         return None
     law = {name: draw.values[name] for name in (*FRICTION, "stribeck_speed") if name in draw.values}
     law["stribeck_exponent"], (speeds, coefficients) = given.stribeck_exponent, np.array(given.curve).T
-    off = np.abs(friction.unbounded_coefficient(SimpleNamespace(**law), speeds) / coefficients - 1)
+    off = np.abs(friction.unbounded(SimpleNamespace(**law), speeds)[0] / coefficients - 1)
     used = [sliding_speed(draw.values[f"speed_{end}"], draw.pitch_radius, draw.lead_angle) for end in ("low", "high")]
     ends = {"curve": speeds[[0, -1]].tolist(), "window": [float(speed) for speed in used]}
     return {"law": law, "off": float(off.max()), "at": float(speeds[off.argmax()]), **ends}

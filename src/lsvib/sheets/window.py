@@ -146,7 +146,7 @@ def _frictionless(draw: Draw) -> Array:
     low, high = -law.friction_coefficient / slope, -(law.friction_coefficient + law.stribeck_rise) / slope
     for _ in range(30):  # to its distance from the place, see below
         middle = 0.5 * (low + high)
-        rubs = friction.unbounded_coefficient(law, middle) > 0
+        rubs = friction.unbounded(law, middle)[0] > 0
         low, high = np.where(rubs, middle, low), np.where(rubs, high, middle)
     return np.asarray(low)
 

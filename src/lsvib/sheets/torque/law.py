@@ -203,7 +203,7 @@ def steady_torque(values: Mapping[str, Any], measured: Measured, speed: Any, loa
     Arguments broadcast; ``values`` by names of :data:`PARAMETERS`. Over the measured speeds no law is below zero.
     """
     law = SimpleNamespace(**{"stribeck_exponent": 1, **values})
-    mu = friction.unbounded_coefficient(law, measured.sliding(speed))
+    mu = friction.unbounded(law, measured.sliding(speed))[0]
     sense = np.sign(speed)
     threads = sense * measured.threads(mu, sense, load)
     return values["offset"] + values["coulomb"] * sense + values["viscous"] * speed + threads
@@ -482,7 +482,7 @@ def load_of_directions(measured: Measured, solution: Solution) -> float | None:
     if measured.directions == 1:
         return None
     law = SimpleNamespace(**solution.values)
-    mu = float(np.median(np.maximum(friction.unbounded_coefficient(law, measured.sliding(measured.speed)), 0.0)))
+    mu = float(np.median(np.maximum(friction.unbounded(law, measured.sliding(measured.speed))[0], 0.0)))
     tangent = math.tan(measured.lead_angle)
     lever = 0.5 * measured.pitch_radius * -sum(friction_factor(mu, tangent, s) for s in (1, -1))
     return float(solution.values["offset"] / lever)
