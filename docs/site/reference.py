@@ -51,7 +51,7 @@ MODULES = {
         "lsvib.dynamics.boundary",
         "lsvib.dynamics.resilience",
         "lsvib.systems.grid",
-        "lsvib.systems.curves",
+        "lsvib.dynamics.curves",
     ],
     "Data": ["lsvib.answers.motion", "lsvib.answers.sweep", "lsvib.chapter.checks", "lsvib.answers.io"],
     "Figures": ["lsvib.chapter.build", "lsvib.chapter.configuration"],

@@ -5,6 +5,7 @@ from .api import Drive as Drive
 from .api import Scene as Scene
 from .api import simulate as simulate
 from .dynamics.boundary import Basin as Basin
+from .dynamics.curves import Window as Window
 from .dynamics.cycles import Cycle as Cycle
 from .dynamics.resilience import Resilience as Resilience
 from .errors import DivergenceError as DivergenceError
@@ -23,7 +24,6 @@ from .results import ThresholdSolution as ThresholdSolution
 from .systems.attractor import Attractor as Attractor
 from .systems.attractor import SteadyState as SteadyState
 from .systems.continuation import CycleBranch as CycleBranch
-from .systems.curves import Window as Window
 from .systems.grid import Axis as Axis
 from .systems.grid import Grid as Grid
 

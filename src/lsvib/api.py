@@ -26,12 +26,12 @@ if TYPE_CHECKING:
     from lsvib.answers.cycles import Cycles
     from lsvib.drives.description import Description
     from lsvib.dynamics.boundary import Basin
+    from lsvib.dynamics.curves import Part
     from lsvib.dynamics.cycles import Cycle
     from lsvib.dynamics.resilience import Resilience
     from lsvib.systems.attractor import SteadyState
     from lsvib.systems.automaton import Automaton
     from lsvib.systems.continuation import CycleBranch
-    from lsvib.systems.curves import Part
     from lsvib.systems.grid import Grid
 
     Values = Sequence[float] | np.ndarray  # of a parameter, in SI units

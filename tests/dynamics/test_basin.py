@@ -23,9 +23,9 @@ from lsvib.drives.automata import automaton_of
 from lsvib.drives.drive import PART_OF
 from lsvib.drives.friction import NAMES
 from lsvib.dynamics.boundary import basin
+from lsvib.dynamics.curves import Arc, Window, state_on
 from lsvib.errors import InputError
 from lsvib.systems.attractor import Attractor, steady_state
-from lsvib.systems.curves import Arc, Window, state_on
 from lsvib.systems.grid import Axis, Grid
 
 DIGITS = 40

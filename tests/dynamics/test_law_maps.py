@@ -7,8 +7,8 @@ from references.sizes import sizes
 
 import lsvib
 from lsvib.answers.map import mapper
+from lsvib.dynamics.curves import Arc, state_on
 from lsvib.systems.attractor import Attractor, steady_state
-from lsvib.systems.curves import Arc, state_on
 from lsvib.systems.grid import Axis, Grid
 from lsvib.systems.kernels.next_section import put_on
 from lsvib.systems.mapper import Mapper

@@ -23,10 +23,10 @@ import lsvib
 from lsvib.answers.io import read_dataset
 from lsvib.drives import chapter
 from lsvib.drives.scene import Scene
+from lsvib.dynamics.curves import Window
 from lsvib.explore import answers
 from lsvib.explore.view import OF_LAW, View, around
 from lsvib.systems.attractor import Attractor
-from lsvib.systems.curves import Window
 
 WINDOW = Window(-0.15, 0.13, -50.0, 35.0)
 

@@ -16,12 +16,12 @@ from lsvib.drives import friction
 from lsvib.drives.drive import IN_WORDS, PART_OF, Drive, zero_if_close
 from lsvib.drives.model import model_of
 from lsvib.dynamics.boundary import Boundary, known_basin
+from lsvib.dynamics.curves import Arc, state_on
 from lsvib.dynamics.cycles import Cycle, random_starts, starts
 from lsvib.errors import EngineError, InputError
 from lsvib.systems.attractor import Attractor, SteadyState, shrinks_areas
 from lsvib.systems.automaton import Automaton
 from lsvib.systems.continuation import CycleBranch, follow_cycle
-from lsvib.systems.curves import Arc, state_on
 from lsvib.systems.cycles import cycle_from, search
 from lsvib.systems.motion import enter
 

@@ -17,10 +17,10 @@ from lsvib.drives.drive import Drive
 from lsvib.drives.model import coordinates, model_of
 from lsvib.drives.names import Event
 from lsvib.dynamics.boundary import known_basin
+from lsvib.dynamics.curves import Window
 from lsvib.errors import InputError
 from lsvib.files import File
 from lsvib.systems.attractor import Attractor, Doubt
-from lsvib.systems.curves import Window
 from lsvib.systems.grid import MOST_CELLS, Axis, Grid
 from lsvib.systems.interval_mapper import IntervalMapper
 from lsvib.systems.mapper import NO_DOUBT, Mapper, Starts

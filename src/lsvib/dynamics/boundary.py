@@ -21,13 +21,13 @@ from lsvib.drives.automata import automaton_of
 from lsvib.drives.drive import Drive
 from lsvib.drives.mechanics import Coefficients, coefficients
 from lsvib.drives.names import MotionMode
+from lsvib.dynamics.curves import Arc, Curve, Part, Segment, Window, area, clip, contains, inside, sampled
 from lsvib.dynamics.cycles import swing
 from lsvib.dynamics.reversed_time import BEGINNING, backward_automaton, backward_under_law
 from lsvib.errors import EngineError, InputError, LsvibError
 from lsvib.stability.conditions import stability
 from lsvib.systems.attractor import steady_state
 from lsvib.systems.automaton import Automaton
-from lsvib.systems.curves import Arc, Curve, Part, Segment, Window, area, clip, contains, inside, sampled
 from lsvib.systems.exact.arithmetic import many_digits
 from lsvib.systems.flow import Flow
 from lsvib.systems.kernels.layout import Status

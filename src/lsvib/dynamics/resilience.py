@@ -15,8 +15,8 @@ import numpy as np
 from lsvib.drives.automata import automaton_of
 from lsvib.drives.drive import Drive
 from lsvib.dynamics.boundary import AttractsNothing, Basin, basin
+from lsvib.dynamics.curves import Arc, Part, Piece, Window, passes, sign_changes, state_on, states_on
 from lsvib.numbers import bisected
-from lsvib.systems.curves import Arc, Part, Piece, Window, passes, sign_changes, state_on, states_on
 from lsvib.systems.flow import Flow
 from lsvib.words import plain
 

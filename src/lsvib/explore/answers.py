@@ -21,11 +21,11 @@ from lsvib.answers.sweep import sweep
 from lsvib.drives import friction
 from lsvib.drives.drive import Drive
 from lsvib.drives.model import model_of
+from lsvib.dynamics.curves import Window
 from lsvib.errors import EngineError, LsvibError, WorkSpentError
 from lsvib.explore.view import View
 from lsvib.pictures.attraction import COLOURS
 from lsvib.systems.attractor import Attractor, SteadyState, steady_state
-from lsvib.systems.curves import Window
 from lsvib.systems.grid import Axis, Grid
 from lsvib.systems.kernels.layout import Status
 from lsvib.systems.mapper import Mapper

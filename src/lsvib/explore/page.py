@@ -20,6 +20,7 @@ from bokeh.models import CustomJS, Div, Row
 from lsvib import numbers
 from lsvib.drives import chapter, friction
 from lsvib.drives.drive import PARTS
+from lsvib.dynamics.curves import Window
 from lsvib.errors import InputError, LsvibError
 from lsvib.explore import answers
 from lsvib.explore.controls import Controls
@@ -27,7 +28,6 @@ from lsvib.explore.plots import Plots
 from lsvib.explore.view import View, around
 from lsvib.pictures.attraction import COLOURS
 from lsvib.systems.attractor import Attractor
-from lsvib.systems.curves import Window
 from lsvib.words import plain
 
 _TO_ADDRESS = """

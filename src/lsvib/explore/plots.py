@@ -25,13 +25,13 @@ from bokeh.plotting import figure
 
 from lsvib.answers.phase_plane import lines
 from lsvib.drives.drive import Drive, described
+from lsvib.dynamics.curves import Window
 from lsvib.explore import answers
 from lsvib.explore.answers import Followed
 from lsvib.explore.view import View
 from lsvib.pictures import style
 from lsvib.pictures.attraction import COLOURS
 from lsvib.systems.attractor import Attractor
-from lsvib.systems.curves import Window
 from lsvib.words import plain
 
 _TOOLS = "pan,wheel_zoom,box_zoom,reset,save"

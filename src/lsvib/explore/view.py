@@ -10,8 +10,8 @@ import yaml
 from lsvib import numbers
 from lsvib.api import Drive
 from lsvib.drives.scene import Scene
+from lsvib.dynamics.curves import Window
 from lsvib.errors import InputError
-from lsvib.systems.curves import Window
 
 _WINDOW = ("left", "right", "bottom", "top")
 _NUMBERS = ("u", "w", "duration", "low", "high")

@@ -136,7 +136,7 @@ class SteadyState:
 
     @property
     def amplitude(self) -> float:
-        """Half the peak-to-peak of u [rad]."""
+        """Half the peak-to-peak of the first coordinate."""
         low, high = self.extremes(np.eye(1, self.state.size + 1)[0])
         return 0.5 * (high - low)
 
@@ -287,7 +287,7 @@ def _cycle(automaton: Automaton, found: rule.Found, known: KnownCycles) -> Stead
     label, leading = cycle_label(orbit), float(largest(found.slopes[:d, :d]))
     neutral = facts.conserves and abs(leading) > 1 - ON_CIRCLE and label != Attractor.SPRAG_SLIP_CYCLE
     modes, _, _, durations = orbit.arcs()
-    # part of a period for which the largest of a neutral family seems to rest where it touches θ′ = 0
+    # part of a period for which the largest of a neutral family seems to rest where it touches that
     brief = label == Attractor.STICK_SLIP_CYCLE and durations[facts.sticks[modes]].sum() <= 1e-6 * orbit.end_time
     label = Attractor.NEUTRAL_FAMILY if neutral or (facts.conserves and brief) else label
     size = np.maximum(np.abs(orbit.after).max(axis=0), np.finfo(float).tiny)

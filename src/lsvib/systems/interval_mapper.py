@@ -77,7 +77,7 @@ class Line:
 class DividedSections:
     """The sections of an automaton with two states, divided until motions from each part end in one attractor.
 
-    ``size`` (2) of u [rad] and w [rad/s] in its motions; ``attractors``, the cycles that are known. ``way`` holds
+    ``size`` (2) of the states in its motions; ``attractors``, the cycles that are known. ``way`` holds
     the table of all labels for the kernels; ``doubt`` says why what is unresolved in it is.
     """
 
@@ -157,7 +157,7 @@ class DividedSections:
     def _divided(self, section: Section, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the images of points, where what two events of an undamped motion take back to its place stays, too.
 
-        Slip that does not pass θ′ = 0 is then the same backwards in time: so are those of all points between.
+        What does not pass rest is then the same backwards in time: so are those of all points between.
         """
         found, image = self._images(section, points)
         for k in np.flatnonzero((found[:, 0] == LEAVES) & self._undamped):
@@ -362,7 +362,7 @@ class IntervalMapper(Mapper):
 
     Under constant friction ``time`` [s] and ``seizures`` are those until the attractor is reached: for steady sliding
     the entry into the largest ellipse around the equilibrium in which no guard can fire, for a cycle the first event
-    after which the motion is on it to 1e-9 of its size. Under a law they are as of drives with more states.
+    after which the motion is on it to 1e-9 of its size. Under a law they are as of systems with more states.
     """
 
     def __init__(self, automaton: Automaton, starts: Starts) -> None:
@@ -390,7 +390,8 @@ class IntervalMapper(Mapper):
             found["label"][:] = Attractor.STEADY_SLIDING
             found["doubt"][:] = NO_DOUBT
             return
-        cells = Cells(x, y, int(grid.x.coordinate == "w"))
+        along = {**grid.fixed, grid.x.coordinate: 1.0, grid.y.coordinate: 0.0}
+        cells = Cells(x, y, int(np.argmax(self.starts.state(along))))
         next_section.map_labels(self.sections.way, cells, _EVENTS, found["label"], first_events)
         found["doubt"][:] = np.where(found["label"] == UNRESOLVED, list(Doubt).index(self.sections.doubt), NO_DOUBT)
         for i, j in np.argwhere(found["label"] == UNKNOWN):

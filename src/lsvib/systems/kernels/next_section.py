@@ -21,7 +21,7 @@ LEAVES, STAYS, RESTS, LOST = range(4)  # what the next event of a motion is: one
 
 
 class Cells(NamedTuple):
-    """Cells of a grid of starts: coordinates of the columns and of the rows, and which one (0: u, 1: w) x is."""
+    """Cells of a grid of starts: coordinates of the columns and of the rows, and which coordinate of the state x is."""
 
     x: np.ndarray
     y: np.ndarray
@@ -43,7 +43,7 @@ def new_scratch(tables):
 
 @kernel
 def put(scratch, u, w):
-    """Set the state of the working space to u [rad], w [rad/s], exact as given."""
+    """Set the state of the working space to u, w, exact as given."""
     state, scale, _ = scratch.now
     state[0], state[1] = u, w
     scale[0], scale[1] = abs(u), abs(w)
