@@ -10,7 +10,7 @@ import xarray as xr
 from pydantic import Field
 
 from lsvib.answers import spans
-from lsvib.answers.attributes import VARIED, axis, named_index, parameter, variable
+from lsvib.answers.attributes import VARIED, named_index, parameter, variable, varied
 from lsvib.chapter.checks import Check
 from lsvib.chapter.common import about
 from lsvib.chapter.settings import FigureSettings, PositiveSpan, Values
@@ -140,7 +140,7 @@ def build(settings: Values) -> xr.Dataset:
         },
     }
     coordinates |= {
-        **axis("support_damping", dampings),
+        **varied(support_damping=dampings),
         "record_time": variable("record_time", RECORD_TIMES, "s", "time of the record", "$t$"),
         "model_time": variable("model_time", MODEL_TIMES, "s", "time of the model", "$t$"),
         "source": named_index("source", "of what a number is", ["record", "model"]),

@@ -149,14 +149,9 @@ def given(values: Iterable[tuple[str, Any]]) -> Variables:
     return {name: ((), value, parameter(name, origin)) for name, value, origin in origins}
 
 
-def axis(name: str, values: Any, dims: str | tuple[str, ...] = "", origin: str = VARIED) -> Variables:
-    """Return a parameter as the axis of a file (its dimension has its name), or along the dimensions ``dims``."""
-    return {name: (dims or name, np.asarray(values, dtype=float), parameter(name, origin))}
-
-
-def varied(**values: Any) -> Variables:
-    """Return parameters that a file varies, by name, each as an axis of its own."""
-    return {name: own for key, along in values.items() for name, own in axis(key, along).items()}
+def varied(dims: Dims = "", origin: str = VARIED, /, **values: Any) -> Variables:
+    """Return parameters that a file varies, by name: each an axis (its dimension has its name), or along ``dims``."""
+    return {name: (dims or name, np.asarray(own, dtype=float), parameter(name, origin)) for name, own in values.items()}
 
 
 def drive_parameters(

@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from lsvib import numbers, words
-from lsvib.answers.attributes import about_drive, answer, axis, flagged, given, variable, yes_no
+from lsvib.answers.attributes import about_drive, answer, flagged, given, variable, varied, yes_no
 from lsvib.answers.sweep import known_key
 from lsvib.drives import friction
 from lsvib.drives.drive import IN_WORDS, PART_OF, Drive, zero_if_close
@@ -183,7 +183,7 @@ def branch_dataset(branch: CycleBranch) -> xr.Dataset:
         "multiplier_error": ([cycle.multiplier_error for cycle in cycles], "1", "bound of the multipliers' errors"),
         "period_residual": ([cycle.residual for cycle in cycles], "1", "change of the state over a period"),
     }
-    data = axis(branch.parameter, [point.value for point in points], "point")
+    data = varied("point", **{branch.parameter: [point.value for point in points]})
     data |= {name: variable("point", np.array(own), *more) for name, (own, *more) in columns.items()}
     data["attractor"] = flagged("point", [cycle.label for cycle in cycles], "kind of cycle", Attractor)
     data["attracting"] = yes_no("point", [cycle.attracting for cycle in cycles], "whether the cycle attracts")

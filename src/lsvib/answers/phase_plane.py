@@ -16,6 +16,7 @@ from lsvib.answers import attributes as cf
 from lsvib.drives.automata import automaton_of
 from lsvib.drives.drive import Drive
 from lsvib.drives.mechanics import coefficients
+from lsvib.drives.model import model_of
 from lsvib.drives.names import CLOCK, RULES, Event, MotionMode, Resume
 from lsvib.errors import InputError
 from lsvib.systems.exact.arithmetic import many_digits
@@ -67,18 +68,17 @@ def orbits(motions: Sequence[Motion]) -> cf.Variables:
 
 
 def reached(drive: Drive, start: Mapping[str, float], resume: Resume = RULES[0]) -> SteadyState:
-    """Return what the motion with rigid threads from u [rad] and w [rad/s] ends in, by a rule of resuming."""
+    """Return what the motion from u [rad] and w [rad/s], else as in steady sliding, ends in by a rule of resuming."""
     from lsvib.systems.attractor import steady_state
 
-    rigid = drive.replace(contact_stiffness=None, contact_damping=None)
-    return steady_state(automaton_of(rigid, resume), [start["u"], start["w"]])
+    return steady_state(automaton_of(drive, resume), model_of(drive).initial_state(drive, start))
 
 
-def followed(drive: Drive, start: Any, duration: float, resume: Resume = RULES[0]) -> Motion:
-    """Return the motion of the rigid drive from u [rad] and u′ [rad/s] over a ``duration`` [s]."""
+def followed(drive: Drive, start: Mapping[str, float], duration: float, resume: Resume = RULES[0]) -> Motion:
+    """Return the motion from the same start over a ``duration`` [s]."""
     from lsvib.systems.motion import follow
 
-    return follow(automaton_of(drive, resume=resume), start, duration)
+    return follow(automaton_of(drive, resume), model_of(drive).initial_state(drive, start), duration)
 
 
 def attractors(dims: cf.Dims, labels: Any, words: str = ATTRACTOR, **more: Any) -> cf.Variable:
@@ -103,7 +103,7 @@ def portraits(
 
     starts, duration, samples = (settings[name] for name in ("starts", "duration", "samples"))
     steady = [[[reached(drive, start, rule) for start in starts] for rule in RULES] for drive in drives]
-    motions = [[followed(drive, [start["u"], start["w"]], duration) for start in starts] for drive in drives]
+    motions = [[followed(drive, start, duration) for start in starts] for drive in drives]
     happens = [
         [events(motion, Event, event_impulses(drive, motion)) for motion in row]
         for drive, row in zip(drives, motions, strict=True)

@@ -7,7 +7,7 @@ import xarray as xr
 from pydantic import Field
 
 from lsvib.answers import spans
-from lsvib.answers.attributes import CRITICAL_MASS, Variables, axis, drive_parameters, origin_of, variable, yes_no
+from lsvib.answers.attributes import CRITICAL_MASS, Variables, drive_parameters, origin_of, variable, varied, yes_no
 from lsvib.chapter import newton
 from lsvib.chapter import settings as of
 from lsvib.chapter.checks import Check
@@ -68,8 +68,7 @@ def build(settings: of.Values) -> xr.Dataset:
         | _growth_rates(drive, heavy, light, dampings, stiffness)
         | _limits(drive, heavy, light),
         coords={
-            **axis("curve_contact_stiffness", curves),
-            **axis("curve_contact_damping", along),
+            **varied(curve_contact_stiffness=curves, curve_contact_damping=along),
             **drive_parameters(
                 contacts,
                 "contact",
@@ -78,9 +77,8 @@ def build(settings: of.Values) -> xr.Dataset:
                 printed=("Sect. 8.6", "Sect. 8.6.1"),
                 no_effect=("axial_force", "input_speed"),
             ),
-            **axis("mass", [heavy, light], origin=origin_of("mass", [heavy, light], ("Sect. 8.6.1",))),
-            **axis("growth_contact_damping", dampings),
-            **axis("growth_contact_stiffness", stiffness),
+            **varied("mass", origin_of("mass", [heavy, light], ("Sect. 8.6.1",)), mass=[heavy, light]),
+            **varied(growth_contact_damping=dampings, growth_contact_stiffness=stiffness),
             "critical_mass": ((), rigid, CRITICAL_MASS),
         },
         attrs=about(

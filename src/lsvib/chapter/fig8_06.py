@@ -76,8 +76,8 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
     from lsvib.dynamics.behaviour import Behaviour, behaviours
 
     drive = Drive.of(settings["drive"])
-    reading = settings["mass_readings"].index(drive.mass)
-    values = {name: value(analysis[_OF[name]], reading) for name in _THRESHOLDS}
+    masses = settings["mass_readings"]
+    values = {name: value(analysis[_OF[name]], masses.index(drive.mass)) for name in _THRESHOLDS}
     # Also at a relative distance of 1e-9 on either side of a threshold.
     beside = [value * (1 + sign * 1e-9) for value in values.values() for sign in (-1, 1)]
     forces = np.unique(np.concatenate([spans.even(settings["axial_force"]), list(values.values()), beside]))
@@ -89,8 +89,7 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
     words = {name: name.replace("_", " ") for name in _THRESHOLDS}
     planes = phase_plane.portraits(settings, insets, ("axial_force",), ("Sect. 8.5.1", "Fig. 8.6")).assign_coords(
         {
-            **varied(swept_axial_force=forces, swept_friction_coefficient=frictions),
-            **varied(reading_mass=settings["mass_readings"]),
+            **varied(swept_axial_force=forces, swept_friction_coefficient=frictions, reading_mass=masses),
             **start_state(settings["start"], "of the motions whose steady vibration swept_amplitude describes"),
             "lead_tangent": variable((), tangent, "1", "tangent of the lead angle", r"$\tan\lambda$"),
             **{name: variable((), value, "N", words[name], "$R$") for name, value in values.items()},
@@ -102,7 +101,7 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
     }
     holding = []
     for own in (insets[-1].replace(friction_coefficient=float(x)) for x in frictions):  # from θ′ = 0 and z = 0
-        motion = phase_plane.followed(own, [-float(coefficients(own).deflection), -own.input_speed], 1e-9)
+        motion = phase_plane.followed(own, {"u": -float(coefficients(own).deflection), "w": -own.input_speed}, 1e-9)
         holding.append(motion.automaton.codes[motion.arcs()[0][0]] == MotionMode.REST)
     said = "the screw, standing in an untwisted coupling, stays at rest under the largest force of a portrait"
     holds = {"holds_without_torque": yes_no("swept_friction_coefficient", holding, said)}

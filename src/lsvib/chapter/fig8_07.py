@@ -46,7 +46,7 @@ def build(settings: Values) -> xr.Dataset:
     equilibrium = drive.pitch_radius * float(xi[1] - xi[-1]) * drive.axial_force / drive.coupling_stiffness
     rests = np.empty((len(settings["starts"]), len(RULES)))
     for k, (start, rule) in enumerate(product(settings["starts"], RULES)):
-        motion = phase_plane.followed(drive, [start["u"], start["w"]], settings["duration"], rule)
+        motion = phase_plane.followed(drive, start, settings["duration"], rule)
         modes, *_, durations = motion.arcs()
         first = np.flatnonzero(motion.kind == Event.SEIZURE)[:1] + 1  # of a start that does not seize, none
         rests.flat[k] = durations[first][motion.automaton.codes[modes[first]] == MotionMode.REST].sum()

@@ -9,15 +9,14 @@ from pydantic import Field
 
 from lsvib.answers import spans
 from lsvib.answers.analysis import analyse, value
-from lsvib.answers.attributes import CRITICAL_MASS, axis, drive_parameters, variable
+from lsvib.answers.attributes import CRITICAL_MASS, drive_parameters, variable, varied
 from lsvib.chapter import printed_laws
 from lsvib.chapter.checks import Check
-from lsvib.chapter.common import EIGENVALUE, about, printed
+from lsvib.chapter.common import EIGENVALUE, about, bisected, printed
 from lsvib.chapter.settings import Damping, DriveFigure, PositiveSpan, Values, several
 from lsvib.drives import chapter
 from lsvib.drives.drive import Drive
 from lsvib.drives.mechanics import coefficients
-from lsvib.numbers import bisected
 from lsvib.pictures import style
 from lsvib.stability.spectrum import eigenvalue_pair
 
@@ -53,16 +52,14 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
     mass = np.unique(np.concatenate([spans.even(span), critical - near, critical + near]))
     mass = mass[(mass >= span["start"]) & (mass <= span["stop"]) & (mass != critical)]
 
-    def eigenvalues(masses: np.ndarray, damping: float) -> np.ndarray:
+    def eigenvalues(masses: np.ndarray, damping: float | np.ndarray) -> np.ndarray:
         """Both, by Γ₊, which vanishes at m_cr, so that many digits are used and rounded once."""
         inertia = np.array([float(coefficients(drive.replace(mass=float(m))).gamma[1]) for m in masses])
         return eigenvalue_pair(inertia, damping, drive.coupling_stiffness)
 
-    def loss(damping: float) -> float:  # by bisection around m_cr to the last bit
-        return bisected(lambda m: eigenvalues(np.array([m]), damping).real.max() >= 0, critical / 2, critical * 3 / 2)
-
     dampings = np.array(settings["dampings"], dtype=float)
-    losses = [loss(c) for c in dampings.tolist()]
+    around = (np.full(dampings.size, critical * part) for part in (0.5, 1.5))
+    losses = bisected(lambda m: eigenvalues(m, dampings).real.max(axis=-1) >= 0, *around)
     lost = "mass at which the real part of an eigenvalue becomes positive"
     pair = eigenvalues(mass, drive.support_damping)
     dims, real, imaginary = ("eigenvalue", "mass"), "real part of the eigenvalue", "imaginary part of the eigenvalue"
@@ -73,10 +70,9 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
             "loss_of_stability": variable("swept_support_damping", losses, "kg", lost, "$m$"),
         },
         coords={
-            **axis("mass", mass),
+            **varied(mass=mass, swept_support_damping=dampings),
             **drive_parameters(drive, axes=("mass",), no_effect=("input_speed", "axial_force"), printed=("Sect. 8.6",)),
             "eigenvalue": EIGENVALUE,
-            **axis("swept_support_damping", dampings),
             "critical_mass": ((), critical, CRITICAL_MASS),
             "printed_critical_mass": printed(chapter.THRESHOLDS["critical_mass"], "critical mass"),
         },

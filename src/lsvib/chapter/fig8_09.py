@@ -6,7 +6,7 @@ from pydantic import Field
 
 from lsvib.answers import phase_plane, spans
 from lsvib.answers.analysis import analyse, value
-from lsvib.answers.attributes import CRITICAL_MASS, axis, named, variable
+from lsvib.answers.attributes import CRITICAL_MASS, named, variable, varied
 from lsvib.chapter import newton, printed_laws
 from lsvib.chapter.checks import Check
 from lsvib.chapter.common import about, spread
@@ -49,7 +49,7 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
     drives, critical = _drives(settings), value(analysis.kinematic_constraint_mass)
     forces = spans.even(settings["axial_force"])
     planes = phase_plane.portraits(settings, drives, ("mass",), _PRINTED)
-    planes = planes.assign_coords(axis("swept_axial_force", forces) | {"critical_mass": ((), critical, CRITICAL_MASS)})
+    planes = planes.assign_coords(varied(swept_axial_force=forces) | {"critical_mass": ((), critical, CRITICAL_MASS)})
     swept = all_endings(ManyDrives({**dict(drives[-1]), "axial_force": forces}), settings["starts"][0])
     speed, dim = swept.peak_normal_impulse / seizure_impulse(drives[-1], 1.0), "swept_axial_force"
     speed[speed == 0] = np.nan

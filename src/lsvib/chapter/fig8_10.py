@@ -7,15 +7,13 @@ import xarray as xr
 from pydantic import Field
 
 from lsvib.answers import phase_plane, spans
-from lsvib.answers.attributes import Variables, axis, drive_parameters, named, quantity, start_state, variable
+from lsvib.answers.attributes import Variables, drive_parameters, named, quantity, start_state, variable, varied
 from lsvib.chapter import impacts, newton
 from lsvib.chapter import settings as of
 from lsvib.chapter.checks import Check
 from lsvib.chapter.common import SteadyState, about, printed
-from lsvib.drives.automata import automaton_of
 from lsvib.drives.chapter import claims
 from lsvib.drives.drive import Drive
-from lsvib.drives.mechanism import seated_state
 from lsvib.drives.model import model_of
 from lsvib.drives.names import COORDINATES
 from lsvib.pictures import drawing, style
@@ -44,18 +42,17 @@ class Settings(of.DriveFigure):
 
 def build(settings: of.Values) -> xr.Dataset:
     """Compute motion and cycle with compliant threads from a seated contact, the rigid cycle, and the effect of R."""
-    from lsvib.systems.motion import follow
-
     contact = {key: settings[key] for key in ("contact_stiffness", "contact_damping")}
     drive, start, samples = Drive.of(settings["drive"], **contact), settings["start"], settings["samples"]
-    cycle, rigid = compliant_cycle(drive, start), phase_plane.reached(drive, start)
-    motion = follow(automaton_of(drive), seated_state(drive, start["u"], start["w"]), settings["duration"])
+    without = drive.replace(**dict.fromkeys(contact))
+    cycle, rigid = (phase_plane.reached(own, start) for own in (drive, without))
+    motion = phase_plane.followed(drive, start, settings["duration"])
     # Both states of each event are samples, so every peak is.
     sampled = phase_plane.sampled(motion, samples, model_of(drive).modes)
     forces, rows, dim, numbers = spans.even(settings["axial_force"]), [], "swept_axial_force", Variables()
-    for pushed in (drive.replace(axial_force=float(force)) for force in forces):
-        swept = compliant_cycle(pushed, start)
-        rows.append((swept.label, *_cycle_values(pushed, swept, phase_plane.reached(pushed, start))))
+    for force in forces.tolist():
+        swept, beside = (phase_plane.reached(own.replace(axial_force=force), start) for own in (drive, without))
+        rows.append((swept.label, *_cycle_values(drive, swept, beside)))
     label, peaks, distances = np.array(rows, dtype=float).T
     for name, steady, words in (("", cycle, ""), ("rigid_", rigid, ", of the rigid drive")):
         numbers |= {
@@ -77,22 +74,15 @@ def build(settings: of.Values) -> xr.Dataset:
             "swept_peak_normal_force": variable(dim, peaks, *_PEAK),
             "swept_orbit_distance": variable(dim, distances, *_DISTANCE),
         }
-        | impacts.limit(Drive.of(settings["drive"])),
+        | impacts.limit(without),
         coords={
-            **axis("swept_axial_force", forces),
+            **varied(swept_axial_force=forces),
             **drive_parameters(drive, printed=("Sect. 8.6", "Sect. 8.6.1")),
             **start_state(start, "with a seated contact: of the motion and of those whose cycles are found"),
             "printed_peak_normal_force": printed("fig8_10.peak_force", "largest contact force on the cycle"),
         },
         attrs=about(__doc__, "exact event-driven motion with four states", "Sect. 8.6.1, Fig. 8.10"),
     ).set_coords("time")
-
-
-def compliant_cycle(drive: Drive, start: of.Values) -> SteadyState:
-    """Return the attractor of the motion from a seated contact at u [rad], w [rad/s]."""
-    from lsvib.systems.attractor import steady_state
-
-    return steady_state(automaton_of(drive), seated_state(drive, start["u"], start["w"]))
 
 
 def cycle_curves(dims: Sequence[str], cycles: Sequence[SteadyState], count: int, prefix: str = "cycle") -> Variables:

@@ -7,7 +7,7 @@ import xarray as xr
 from pydantic import Field
 
 from lsvib.answers import phase_plane, spans
-from lsvib.answers.attributes import axis, drive_parameters, named, start_state, variable
+from lsvib.answers.attributes import drive_parameters, named, start_state, variable, varied
 from lsvib.chapter.checks import Check
 from lsvib.chapter.common import about
 from lsvib.chapter.settings import DriveFigure, Span, State, Values
@@ -69,7 +69,7 @@ def build(settings: Values) -> xr.Dataset:
         {name: variable(dims, values[..., k], *words) for k, (name, words) in enumerate(_QUANTITIES.items())}
         | {"attractor": phase_plane.attractors(dims, labels)},
         coords={
-            **axis("support_damping", damping),
+            **varied(support_damping=damping),
             "rule": phase_plane.RULE,
             "resting_support_damping": variable((), limit, "N m s rad-1", resting, "$c$"),
             **drive_parameters(drive, axes=("support_damping",), printed=("Sect. 8.6", "Sect. 8.6.1")),

@@ -8,9 +8,8 @@ from lsvib.answers.attributes import drive_parameters, named, start_state, varia
 from lsvib.chapter import newton
 from lsvib.chapter.checks import Check
 from lsvib.chapter.common import CRITICAL_MASS_WITH_CONTACT, SteadyState, about, critical_mass_with_contact
-from lsvib.chapter.fig8_10 import compliant_cycle, cycle_curves, cycle_motion
+from lsvib.chapter.fig8_10 import cycle_curves, cycle_motion
 from lsvib.chapter.settings import Contact, DriveFigure, Samples, State, Values, several
-from lsvib.drives import chapter
 from lsvib.drives.drive import Drive
 from lsvib.drives.mechanics import coefficients
 from lsvib.pictures import drawing, style
@@ -42,9 +41,9 @@ class Settings(DriveFigure):
 
 def build(settings: Values) -> xr.Dataset:
     """Compute the cycles of a few contacts."""
-    drive, start = Drive.of(chapter.PARTS["threads"] | settings["drive"]), settings["start"]
+    drive, start = Drive.of(settings["drive"], **dict.fromkeys(_CONTACT)), settings["start"]
     contacts = [drive.replace(**contact) for contact in settings["contacts"]]
-    cycles = [compliant_cycle(contact, start) for contact in contacts]
+    cycles = [phase_plane.reached(contact, start) for contact in contacts]
     numbers = np.array([_numbers(cycle) for cycle in cycles]).T
     steady, critical = float(coefficients(drive).deflection), [critical_mass_with_contact(c) for c in contacts]
     return xr.Dataset(

@@ -16,7 +16,7 @@ from pydantic import Field
 
 from lsvib.answers import phase_plane, spans
 from lsvib.answers.analysis import analyse, value
-from lsvib.answers.attributes import Variables, attributes, axis, counted, flag_names, flags, named, variable
+from lsvib.answers.attributes import Variables, attributes, counted, flag_names, flags, named, variable, varied
 from lsvib.chapter import newton
 from lsvib.chapter.checks import Check
 from lsvib.chapter.common import about, spread
@@ -106,7 +106,7 @@ def _first_events(drives: Sequence[Drive], maps: xr.Dataset, duration: float) ->
     u, w = (few[name].values for name in places)
     first, rate, later = (np.full((len(drives), u.size), value) for value in (-1, np.nan, 0))
     for case, probe in np.ndindex(first.shape):
-        motion = phase_plane.followed(drives[case], [u[probe], w[probe]], duration)
+        motion = phase_plane.followed(drives[case], {"u": float(u[probe]), "w": float(w[probe])}, duration)
         at_once = motion.time == 0
         if at_once.any():
             first[case, probe], rate[case, probe] = motion.kind[0], motion.after[0, 1]
@@ -146,7 +146,7 @@ def _basins(drives: Sequence[Drive], settings: Values, threshold: float) -> Vari
     shares, words = [basin(drive).fraction(window) for drive in drives], "area of the basin, infinite without a bound"
     return {
         "basin_fraction": variable("case", shares, "1", "fraction of the window that steady sliding attracts, exact"),
-        **axis("swept_axial_force", forces),
+        **varied(swept_axial_force=forces),
         "basin_area": variable("swept_axial_force", areas, "rad2 s-1", words),
     }
 
@@ -166,7 +166,7 @@ def _reverse_slips(drives: Sequence[Drive], start: Values, duration: float) -> V
 
     def seized(drive: Drive, rule: Resume) -> np.ndarray:
         """The deviation u [rad] at each seizure before the first release."""
-        motion = phase_plane.followed(drive, [start["u"], start["w"]], duration, rule)
+        motion = phase_plane.followed(drive, start, duration, rule)
         released = np.cumsum(motion.kind == Event.RELEASE) > 0
         return np.compress(~released & (motion.kind == Event.SEIZURE), motion.before[:, 0])
 

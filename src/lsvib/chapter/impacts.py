@@ -82,10 +82,9 @@ def limit(drive: Drive) -> cf.Variables:
     dims, far = ("branch", "swept_contact_stiffness"), "distance of the motion from the rigid one in the phase plane"
     return {
         **cf.varied(swept_contact_stiffness=_STIFFNESS),
-        **cf.axis("swept_contact_damping", _STIFFNESS, dims[1]),
+        **cf.varied(dims[1], swept_contact_damping=_STIFFNESS),
         "case_mass": ((), _MASS, cf.parameter("case_mass", cf.ASSUMED)),
-        **cf.axis("case_axial_force", forces, "branch"),
-        **cf.axis("case_support_damping", dampings, "branch"),
+        **cf.varied("branch", case_axial_force=forces, case_support_damping=dampings),
         "rule": RULE,
         "impact_sign": ("branch", signs.astype(np.int8), cf.SIGNS | {"long_name": "sign of the impact, 0: a cycle"}),
         "motion_distance": cf.variable((*dims, "rule"), distances, "1", far),
@@ -111,8 +110,7 @@ def _branch(drive: Drive, sign: int, start: Sequence[float]) -> tuple[list[list[
         low, high = orbit_extremes(rigid[0], np.array([1.0, 0.0, 0.0]))
         return distance(one, other, (0.5 * (high - low), abs(drive.input_speed)), 800 if sign else 3000)
 
-    rigid_threads = drive.replace(contact_stiffness=None, contact_damping=None)
-    rigid = [motion(automaton_of(rigid_threads, rule), start) for rule in RULES]
+    rigid = [motion(automaton_of(drive, rule), start) for rule in RULES]
     contacts = [drive.replace(contact_stiffness=k, contact_damping=k) for k in _STIFFNESS.tolist()]
     stiff = [motion(automaton_of(own), seated_state(own, *start)) for own in contacts]
     stands = [m.time[np.isin(m.kind, (Event.STICK, Event.REVERSAL))] if sign else () for m in stiff]
