@@ -156,7 +156,6 @@ def _imports(settings: Mapping[str, Any]) -> dict[str, tuple]:
     }
 
 
-@style.styled
 def draw(dataset: xr.Dataset) -> Figure:
     """Draw (a) run time and (b) construction of both models, (c) imports."""
     figure = style.new_figure(style.DOUBLE, 4.4)

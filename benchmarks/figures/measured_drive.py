@@ -342,7 +342,6 @@ def _by_angles(dataset: xr.Dataset) -> np.ndarray:
     return np.asarray(drag + np.sign(speed) * RADIUS * abs(LOAD) * tangents)
 
 
-@style.styled
 def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw the law, the records of jerks beside the model, the speed from which on it is even, and residuals.
 

@@ -188,7 +188,6 @@ def _number(outcome: "CaseOutcome", name: str) -> float:
     return np.nan if outcome.energy is None else getattr(outcome.energy, name.removeprefix("energy_"))
 
 
-@style.styled
 def draw(dataset: xr.Dataset) -> Figure:
     """Draw (a) the digits of every case, (b, c) the contact, (d) digits near the edges, (e) the energy balance."""
     figure = style.new_figure(style.DOUBLE, 7.0)

@@ -236,7 +236,6 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     ]
 
 
-@style.styled
 def draw(dataset: xr.Dataset) -> Figure:
     """Draw the error of the final state against run time, scene by scene, then ratios."""
     count = dataset.sizes["scene"]

@@ -34,11 +34,11 @@ _SCRIPT = '''"""
 {caption}
 """
 
-from lsvib.chapter.build import dataset_of
-from lsvib.chapter.configuration import load, standard_settings
+from lsvib.chapter.build import dataset_of, drawn
+from lsvib.chapter.configuration import standard_settings
 
 found = dataset_of("{name}", standard_settings("{name}"))
-figure = load("{name}").draw(found)
+figure = drawn("{name}", found)
 {shown}
 # %%
 # The file of the figure

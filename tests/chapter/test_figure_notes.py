@@ -88,7 +88,7 @@ def test_the_sides_of_the_line_have_the_sign_of_the_contact_force(words):
 def test_the_sectors_of_figure_8_7_have_the_signs_of_the_contact_force():
     figure, settings = dataset_of("fig8_07"), coarse("fig8_07")
     drive = Drive.of(settings["drive"])
-    axes = fig8_07.draw(figure).axes[0]
+    axes = style.styled(fig8_07.draw)(figure).axes[0]
     sectors = [text for text in axes.texts if text.get_text().startswith(r"$\dot\theta")]
     assert len(sectors) == 4
     for text in sectors:

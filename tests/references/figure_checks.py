@@ -10,7 +10,6 @@ from unittest.mock import patch
 import xarray as xr
 import yaml
 from matplotlib import rc_context
-from matplotlib.figure import Figure
 
 from lsvib.answers.io import read_dataset
 from lsvib.chapter import build
@@ -66,7 +65,7 @@ def assert_drawn_from_file(figure: str, path: Path) -> None:
 
     It is one or two columns wide, its whole legend is in the picture, and no type, indices included, is below 6 pt.
     """
-    drawn: Figure = load(figure).draw(read_dataset(path))
+    drawn = build.drawn(figure, read_dataset(path))
     # Fonts of type 3 are embedded in a third of the time; sizes are those of any type.
     with rc_context({"pdf.compression": 0}), patch.dict(style._STYLE, {"pdf.fonttype": 3}):
         style.save(drawn, None, path.with_suffix(".pdf"), resolution=50)

@@ -70,11 +70,15 @@ def draw_figure(
     ``pdf``, ``caption``: files for the PDF and for the caption in reStructuredText, or None. Raises ``LsvibError``
     about files, in one sentence.
     """
-    module = load(figure)
     dataset = overview(dataset_file) if figure == "attraction" else read_dataset(dataset_file)  # a map may be large
-    style.save(module.draw(dataset), png, pdf)
+    style.save(drawn(figure, dataset), png, pdf)
     if caption is not None:
         write_text(caption_of(figure, dataset), caption)
+
+
+def drawn(figure: str, dataset: xr.Dataset) -> style.Figure:
+    """Draw a figure from its dataset, by the function ``draw`` of its module, in the look that all figures have."""
+    return style.styled(load(figure).draw)(dataset)
 
 
 def caption_of(figure: str, dataset: xr.Dataset) -> str:

@@ -284,7 +284,6 @@ def _inconsistent_checks(dataset: xr.Dataset) -> list[Check]:
     ]
 
 
-@style.styled
 def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw motions, equilibria and manifolds, in a panel for each contact damping; the words say where a law holds.
 

@@ -228,7 +228,6 @@ def _largest_real_part(drive: of.Values, **values: Any) -> np.ndarray:
     return eigenvalues({**drive, **values}, law=1)[..., -1].real
 
 
-@style.styled
 def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw (a) the critical mass, (b, c) the growth rate of both masses and (d) the least contact damping.
 

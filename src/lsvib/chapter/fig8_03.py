@@ -189,7 +189,6 @@ def _condition_checks(dataset: xr.Dataset) -> list[Check]:
     ]
 
 
-@style.styled
 def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw the class map and the node–focus boundary C_0² = 4kΓ_0."""
     figure = style.new_figure(style.DOUBLE, 3.6)

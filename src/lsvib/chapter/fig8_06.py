@@ -192,7 +192,6 @@ def _reading_checks(dataset: xr.Dataset) -> list[Check]:
     ]
 
 
-@style.styled
 def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw the amplitude curve by regimes, the three thresholds, and below the portraits, so that they hide nothing."""
     figure, cases = style.new_figure(style.DOUBLE, 5.2), dataset.case.values.tolist()

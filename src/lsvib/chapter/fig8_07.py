@@ -111,7 +111,6 @@ def _beyond_line(dataset: xr.Dataset, u: Any, w: Any) -> Any:
     return u - (float(dataset.contact_line_angle[0]) + float(dataset.contact_line_slope[0]) * w)
 
 
-@style.styled
 def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw the map, hatched without solution, the lines, motions up to their first seizure, the cycle.
 

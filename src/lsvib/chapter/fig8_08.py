@@ -100,7 +100,6 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     ]
 
 
-@style.styled
 def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw real and imaginary parts, (a) and (b), each in two pieces, as no line may join the two sides of the pole."""
     figure = style.new_figure(style.DOUBLE, 2.9)

@@ -84,7 +84,6 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     ]
 
 
-@style.styled
 def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw (a) and (b) as phase planes."""
     figure = style.new_figure(style.DOUBLE, 3.7)

@@ -147,7 +147,6 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     ]
 
 
-@style.styled
 def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw (a) the phase plane, (b) N(t) on a broken axis, (c) peak force, left, and distance, right, over R."""
     figure = style.new_figure(style.DOUBLE, 3.0)

@@ -54,7 +54,6 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     ]
 
 
-@style.styled
 def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw each limit cycle with its own line N = 0, on which its seizure starts."""
     figure = style.new_figure(style.DOUBLE, 3.6)

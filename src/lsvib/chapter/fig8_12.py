@@ -115,7 +115,6 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     ]
 
 
-@style.styled
 def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw the three quantities under the rule of the contact sign."""
     figure = style.new_figure(style.DOUBLE, 2.6)

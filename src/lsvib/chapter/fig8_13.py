@@ -99,7 +99,6 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     ]
 
 
-@style.styled
 def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw (a) the cycles and (b) z over a period, which lasts from one standstill of the screw to the next."""
     figure = style.new_figure(style.DOUBLE, 3.4)

@@ -300,7 +300,6 @@ def _accumulation_checks(heavy: xr.Dataset) -> list[Check]:
     ]
 
 
-@style.styled
 def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw four phase planes, printed mass above, one beyond m_cr below."""
     figure = style.new_figure(style.DOUBLE, 5.9)

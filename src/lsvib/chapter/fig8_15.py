@@ -249,7 +249,6 @@ def _support_checks(dataset: xr.Dataset, drive: Values) -> list[Check]:
     ]
 
 
-@style.styled
 def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw the class map by eigenvalues, over it the boundaries in closed form and the critical friction."""
     figure = style.new_figure(style.DOUBLE, 3.8)

@@ -154,7 +154,6 @@ def _class_checks(dataset: xr.Dataset, drive: Values) -> list[Check]:
     ]
 
 
-@style.styled
 def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw (a) the critical mass over the inertia of the nut and (b) the classes over that and the friction."""
     figure = style.new_figure(style.DOUBLE, 3.5)

@@ -19,7 +19,6 @@ COLOURS: dict[str, str] = {
 }
 
 
-@style.styled
 def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw the map of u and w, if there is one, with the lines Q = 0 and θ′ = 0, the boundary if known, and cycles.
 

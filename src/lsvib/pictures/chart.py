@@ -31,7 +31,6 @@ def kinds(dataset: xr.Dataset) -> xr.DataArray:
     return dataset["behaviour"] if "behaviour" in dataset else dataset["attractor"]
 
 
-@style.styled
 def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw a sweep over two parameters with its curves."""
     figure = style.new_figure(style.DOUBLE, 4.3)

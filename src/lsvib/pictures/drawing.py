@@ -15,7 +15,6 @@ EVEN = (1.1, 1.1, 1.1, 1.1)  # widths of the lines of up to four motions, in poi
 DrawnLine = tuple[np.ndarray, np.ndarray, str]  # x, y, both of shape (n) and with NaN where it is broken, and colour
 
 
-@style.styled
 def single(dataset: xr.Dataset) -> style.Figure:
     """Draw the only case of a dataset."""
     figure = style.new_figure(style.SINGLE, 3.2)
