@@ -85,8 +85,7 @@ def named(variable: xr.DataArray, *words: str) -> np.ndarray:
 def counted(flags: xr.DataArray) -> dict[str, int]:
     """Return how many values of a flag variable have each of its words, for the words that occur."""
     meanings = zip(flags.attrs["flag_meanings"].split(), flags.attrs["flag_values"], strict=True)
-    counts = ((word, int(np.count_nonzero(flags.values == value))) for word, value in meanings)
-    return {word: count for word, count in counts if count}
+    return {word: n for word, value in meanings if (n := int(np.count_nonzero(flags.values == value)))}
 
 
 def yes_no(dims: Dims, values: Any, long_name: str) -> Variable:

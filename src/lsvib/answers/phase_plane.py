@@ -37,26 +37,20 @@ RULE = cf.named_index("rule", "rule of resuming after a seizure", RULES)
 _WHICH_CYCLE = "one period of what the first start reaches by the first rule, missing if that is no cycle"
 
 
-def _pair(
-    names: str, dims: Sequence[cf.Dims], values: Sequence[Any], angle: str, rate: str, **more: str
-) -> cf.Variables:
-    """Values of u [rad] and of u′ [rad/s] as two variables, ``names`` with a place for "angle" and "velocity"."""
-    return {
-        names.format("angle"): cf.variable(dims[0], values[0], "rad", angle, "$u$", **more),
-        names.format("velocity"): cf.variable(dims[1], values[1], "rad s-1", rate, r"$\dot u$", **more),
-    }
-
-
 def grid_axes(angle: np.ndarray, velocity: np.ndarray) -> cf.Variables:
     """Return the axes of a grid of states: u [rad] and u′ [rad/s]."""
-    names, words = "grid_{}_deviation", ("deviation, of the grid", "rate of the deviation, of the grid")
-    return _pair(names, [names.format("angle"), names.format("velocity")], [angle, velocity], *words)
+    u, w, words = "grid_angle_deviation", "grid_velocity_deviation", "deviation, of the grid"
+    rate = cf.variable(w, velocity, "rad s-1", f"rate of the {words}", r"$\dot u$")
+    return {u: cf.variable(u, angle, "rad", words, "$u$"), w: rate}
 
 
 def curve(name: str, dims: cf.Dims, points: np.ndarray, where: str, **more: str) -> cf.Variables:
     """Return points of the phase plane (..., 2), u [rad] and u′ [rad/s], as two variables; ``where`` they lie."""
-    words = f"deviation {where}", f"rate of the deviation {where}"
-    return _pair(f"{name}_{{}}", [dims, dims], [points[..., 0], points[..., 1]], *words, **more)
+    rate = f"rate of the deviation {where}"
+    return {
+        f"{name}_angle": cf.variable(dims, points[..., 0], "rad", f"deviation {where}", "$u$", **more),
+        f"{name}_velocity": cf.variable(dims, points[..., 1], "rad s-1", rate, r"$\dot u$", **more),
+    }
 
 
 def orbits(motions: Sequence[Motion]) -> cf.Variables:

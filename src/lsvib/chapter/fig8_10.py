@@ -15,7 +15,6 @@ from lsvib.chapter.common import SteadyState, about, printed
 from lsvib.drives.chapter import claims
 from lsvib.drives.drive import Drive
 from lsvib.drives.model import model_of
-from lsvib.drives.names import COORDINATES
 from lsvib.pictures import drawing, style
 
 CAPTION = """\
@@ -108,12 +107,10 @@ def cycle_curves(dims: Sequence[str], cycles: Sequence[SteadyState], count: int,
 
 def cycle_motion(dataset: xr.Dataset, prefix: str = "cycle") -> xr.Dataset:
     """Return cycles of :func:`cycle_curves` under the names of motions, with the parameters of their drives."""
-    names = {"sample": "sample", "time": "time", "angle": "angle_deviation", "velocity": "velocity_deviation"}
-    names |= {name: name for name in (*COORDINATES["threads"], "normal_force")}
-    kept = {f"{prefix}_{own}": name for own, name in names.items() if f"{prefix}_{own}" in dataset.variables}
-    return dataset[[*kept, *(name for name in Drive.model_fields if name in dataset)]].rename(
-        kept | {f"{prefix}_sample": "sample"}
-    )
+    names = [str(name) for name in dataset.variables if str(name).startswith(f"{prefix}_")]
+    cycles = dataset[[*names, *(name for name in Drive.model_fields if name in dataset)]]
+    plain = {name: name.removeprefix(f"{prefix}_") for name in (*names, f"{prefix}_sample")}
+    return cycles.rename(plain).rename(angle="angle_deviation", velocity="velocity_deviation")
 
 
 def _cycle_values(drive: Drive, cycle: SteadyState, rigid: SteadyState) -> tuple[float, float]:

@@ -104,15 +104,12 @@ def parameter(key: str, *more: Any) -> Any:
     return field
 
 
-def _changes(name: str, description: str) -> Any:
-    types = {key: Annotated[float, parameter(key)] for key in Drive.model_fields}
-    low, high = (math.degrees(bound) for bound in bounds_of(Drive, "lead_angle").values())
-    types["lead_angle_deg"] = Annotated[float, Ge(low), Lt(high), Field(description="lambda [degree].")]
-    fields: dict[str, Any] = {key: (kind, None) for key, kind in types.items()}  # not named: as in Table 8.1
-    return create_model(name, __base__=SettingsSection, __doc__=description, **fields)
-
-
-DriveChanges: Any = _changes("DriveChanges", "Changes of the drive of Table 8.1; lsvib checks what couples them.")
+_LOW, _HIGH = (math.degrees(bound) for bound in bounds_of(Drive, "lead_angle").values())
+_DEGREES = Annotated[float, Ge(_LOW), Lt(_HIGH), Field(description="lambda [degree].")]
+_TYPES = {**{key: Annotated[float, parameter(key)] for key in Drive.model_fields}, "lead_angle_deg": _DEGREES}
+_NAMED: dict[str, Any] = {key: (kind, None) for key, kind in _TYPES.items()}  # what is not named is as in Table 8.1
+_WORDS = "Changes of the drive of Table 8.1; lsvib checks what couples them."
+DriveChanges: Any = create_model("DriveChanges", __base__=SettingsSection, __doc__=_WORDS, **_NAMED)
 Stiffness = Annotated[float, parameter("contact_stiffness")]
 ContactDamping = Annotated[float, parameter("contact_damping")]
 
