@@ -11,7 +11,7 @@ from benchmarks.judge import Verdict
 from benchmarks.sweeps.families import Case, CaseFamily, FamilyName
 from lsvib.answers.attributes import flag_names, flagged, variable
 from lsvib.chapter.checks import Check
-from lsvib.chapter.settings import CaseSeed, FigureSettings
+from lsvib.chapter.settings import FigureSettings
 from lsvib.pictures import style
 from lsvib.pictures.style import Axes, Figure
 
@@ -61,7 +61,7 @@ class Settings(FigureSettings):
 
     engine: ClassVar = ("planar", "modal")
 
-    seed: CaseSeed
+    seed: int = Field(ge=0, description="Seed of the random cases.")
     counts: dict[FamilyName, Annotated[int, Field(ge=1, le=10_000_000)]] = Field(
         min_length=1, description="Number of cases of each family."
     )

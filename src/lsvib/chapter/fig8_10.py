@@ -29,10 +29,8 @@ _DISTANCE = (
 )  # fmt: skip
 
 
-class Settings(of.DriveFigure):
+class Settings(of.DriveFigure, of.Contact):
     engine = ("planar", "modal")
-    contact_stiffness: of.Stiffness
-    contact_damping: of.ContactDamping
     start: of.State
     duration: of.Duration
     samples: of.Samples
@@ -41,7 +39,7 @@ class Settings(of.DriveFigure):
 
 def build(settings: of.Values) -> xr.Dataset:
     """Compute motion and cycle with compliant threads from a seated contact, the rigid cycle, and the effect of R."""
-    contact = {key: settings[key] for key in ("contact_stiffness", "contact_damping")}
+    contact = {key: settings[key] for key in of.Contact.model_fields}
     drive, start, samples = Drive.of(settings["drive"], **contact), settings["start"], settings["samples"]
     without = drive.replace(**dict.fromkeys(contact))
     cycle, rigid = (phase_plane.reached(own, start) for own in (drive, without))

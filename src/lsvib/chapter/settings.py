@@ -132,7 +132,6 @@ _Zero = Annotated[float, refusing(lambda value: value != 0, "is not acceptable; 
 Duration = Annotated[float, Field(gt=0, le=10, description="Time for which motions are drawn [s].")]
 Samples = Annotated[int, Field(ge=100, le=100_000, description="Samples of each motion, events included.")]
 Damping = Annotated[float, Field(ge=0, le=1, description="Support damping c [N m s/rad].")]
-CaseSeed = Annotated[int, Field(ge=0, description="Seed of the random cases.")]
 MassPair = Annotated[list[Annotated[float, parameter("mass")]], several(2, 2, "Two readings of the mass [kg].")]
 OpposingForces = Annotated[list[Annotated[float, parameter("axial_force", Lt(0))]], several(2, 2, "Forces R < 0 [N].")]
 

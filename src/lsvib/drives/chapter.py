@@ -90,9 +90,6 @@ STATED: dict[str, dict[str, tuple[float, ...]]] = {
     "Fig. 8.15": {"mass": (15.0,), "screw_mass": (11.6,)},
 }
 
-# Sect. 8.7 describes the threshold of global stability without a number; the drive is that of Fig. 8.14 beyond m_cr.
-GLOBAL_STABILITY = {"mass": 11.0, "support_damping": 1e-3}
-
 # Examples of parts: of Fig. 8.10, of Fig. 8.15 (k_1 is assumed), and of Sect. 5.8 the screw's own values, assumed.
 PARTS = {
     "motor": {"motor_inertia": 1e-5, "integral_gain": 1.0, "speed_gain": 2e-3},
