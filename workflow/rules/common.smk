@@ -10,7 +10,10 @@ except LsvibError as error:
     raise WorkflowError(f"Configuration: {error}") from None
 
 FIGURES = configuration.selected(config)
-ANALYSED, MAPPED = map(configuration.figures_with, configuration.PARTS)
+ANALYSED, MAPPED = (
+    [figure for figure in configuration.FIGURES if hasattr(configuration.load(figure), part)]
+    for part in configuration.PARTS
+)
 
 
 wildcard_constraints:

@@ -43,11 +43,6 @@ PARTS = ("analysis", "maps")
 grids of starts. In the workflow each has a rule and a file of its own."""
 
 
-def figures_with(part: str) -> tuple[str, ...]:
-    """Return the names of the figures of the package that have this function."""
-    return tuple(figure for figure in FIGURES if hasattr(load(figure), part))
-
-
 def module_of(figure: str) -> str:
     """Return the name of the module of a figure; raises ``InputError`` if there is no such figure."""
     if figure in BENCHMARKS:
