@@ -14,8 +14,8 @@ from lsvib.answers.io import write_dataset
 from lsvib.chapter import contact_force, fig8_07, impacts
 from lsvib.chapter.build import caption_of
 from lsvib.drives.automata import automaton_of
-from lsvib.drives.mechanism import seated_state
 from lsvib.drives.names import Event
+from lsvib.drives.states import seated_state
 from lsvib.dynamics.impulses import seizure_impulse
 from lsvib.pictures import drawing as drawn
 from lsvib.pictures import style

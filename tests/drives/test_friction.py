@@ -15,7 +15,8 @@ from references.drives import nut_drive, support_drive, threads_drive
 from lsvib import Drive
 from lsvib.drives import friction, pairings
 from lsvib.drives.drive import changed
-from lsvib.drives.mechanics import coefficients, coefficients_of, plus, solved
+from lsvib.drives.mechanics import coefficients, coefficients_of, plus
+from lsvib.drives.mechanism import solved
 from lsvib.errors import EngineError, InputError
 from lsvib.stability.threshold import solve_threshold
 from lsvib.systems.exact.arithmetic import many_digits, sign

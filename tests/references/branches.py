@@ -13,8 +13,8 @@ import numpy as np
 
 from lsvib import Drive
 from lsvib.drives.automata import automaton_of
-from lsvib.drives.mechanism import standing_state
 from lsvib.drives.model import model_of
+from lsvib.drives.states import standing_state
 from lsvib.dynamics.cycles import Cycle
 from lsvib.errors import EngineError, InputError
 from lsvib.systems.attractor import steady_state

@@ -11,7 +11,7 @@ from lsvib import Drive
 from lsvib.drives import friction
 from lsvib.drives.automata import automaton_of
 from lsvib.drives.mechanics import coefficients, damping_by_slope
-from lsvib.drives.mechanism import standing_state
+from lsvib.drives.states import standing_state
 from lsvib.sheets.assessment import assess
 from lsvib.sheets.changes import margins
 from lsvib.sheets.mechanisms import NAMES

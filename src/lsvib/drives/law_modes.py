@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 
 from lsvib.drives import friction, observables, sliding
-from lsvib.drives.mechanism import seated
 from lsvib.drives.modes import Modes
 from lsvib.drives.names import DIRECTIONS, Event, Key
+from lsvib.drives.states import seated
 from lsvib.errors import InputError
 from lsvib.systems.automaton import Branch, Guard, Mode, Transition
 from lsvib.systems.exact.arithmetic import Row, double, sign

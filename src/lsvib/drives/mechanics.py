@@ -21,7 +21,6 @@ from lsvib.systems.automaton import scaled
 from lsvib.systems.exact.arithmetic import Row, added, many_digits, multiplied, nothing, root, sign
 
 Polynomial = tuple[Any, ...]  # highest power first
-Equation = tuple[Mapping[str, Any], Row]  # coefficients of unknowns by their names, and what stands on the right
 Fraction = tuple[Sequence[Any], Sequence[Any]]  # of two polynomials
 
 
@@ -292,29 +291,3 @@ def rate_of(row: Row, field: Sequence[Row]) -> tuple[Any, ...]:
     """Return the rate of an affine function of the state along a field."""
     moving = [scaled(rates, weight) for weight, rates in zip(row[:-1], field, strict=True) if not nothing(weight)]
     return plus(*moving) if len(moving) > 1 else moving[0] if moving else (0,) * len(row)
-
-
-def solved(equations: Sequence[Equation]) -> dict[str, tuple[Any, ...]]:
-    """Solve linear equations by elimination.
-
-    The sparsest equation is solved first, so that arrays lose no digits; what cancels is exactly zero, so that steady
-    sliding is an equilibrium to the last bit.
-    """
-    waiting, found = [(dict(left), right) for left, right in equations], dict[str, tuple[Any, ...]]()
-    order: list[tuple[str, dict[str, Any], Row]] = []
-    while waiting:
-        left, right = waiting.pop(min(range(len(waiting)), key=lambda k: len(waiting[k][0])))
-        name = min(left, key=lambda name: [name in other for other, _ in waiting].count(True))
-        first = left.pop(name)
-        left = {key: x / first for key, x in left.items()}
-        right = tuple([0 if nothing(x) else x / first for x in right])
-        order.append((name, left, right))
-        for k, (others, side) in enumerate(waiting):
-            if name in others:
-                factor = others.pop(name)
-                sums = {key: added(others.get(key, 0), -factor * x) for key, x in left.items()}
-                kept = {key: x for key, x in (others | sums).items() if not nothing(x)}
-                waiting[k] = kept, plus(side, scaled(right, -factor))
-    for name, left, right in reversed(order):
-        found[name] = plus(right, *(scaled(found[key], -x) for key, x in left.items()))
-    return found

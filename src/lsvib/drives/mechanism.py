@@ -46,11 +46,13 @@ from typing import Any
 import numpy as np
 
 from lsvib.drives import friction, mechanics
-from lsvib.drives.drive import PARTS, Drive
-from lsvib.drives.mechanics import Equation, plus, solved, together
+from lsvib.drives.drive import PARTS
+from lsvib.drives.mechanics import plus, together
 from lsvib.drives.names import BODIES, CLOCK, COORDINATES, Ways, own_frictions, sides_of_rest
 from lsvib.systems.automaton import scaled
-from lsvib.systems.exact.arithmetic import Row, added, double, doubles, many_digits, nothing, root, sign
+from lsvib.systems.exact.arithmetic import Row, added, double, nothing, root, sign
+
+Equation = tuple[Mapping[str, Any], Row]  # coefficients of unknowns by their names, and what stands on the right
 
 
 @dataclass(frozen=True)
@@ -396,48 +398,27 @@ class Mechanism:
         return self._reset({part: plus(rates[part], jumps[part]) for part in self.parts})
 
 
-def seated(mechanism: Mechanism) -> np.ndarray:
-    """Return the state of steady sliding: compliant threads are compressed by N_0, all else is measured from it."""
-    state, d = [0] * len(mechanism.states), mechanism.d
-    if mechanism.compliant:
-        state[mechanism.place["threads"]] = mechanism.steady_normal_force / (d.cos_lead * d.contact_stiffness)
-    return doubles(state, (len(state),))
+def solved(equations: Sequence[Equation]) -> dict[str, tuple[Any, ...]]:
+    """Solve linear equations by elimination.
 
-
-def standing(m: Mechanism) -> np.ndarray:
-    """Return the state in which the screw stands with the coupling relaxed, as before the motor is switched on.
-
-    The threads carry no torque; what lets the load move along carries R, less what the slide holds of it as it slides.
+    The sparsest equation is solved first, so that arrays lose no digits; what cancels is exactly zero, so that steady
+    sliding is an equilibrium to the last bit.
     """
-    d, state = m.d, list[Any]([0] * len(m.states))
-    state[:2] = -m.deflection[-1], -d.input_speed
-    left = abs(d.axial_force) - m.limits.get("slide", 0)
-    contact = left * sign(d.axial_force) if sign(left) > 0 else 0
-    for part in m.bodies:
-        load, carried = {"contact": (m.force, contact), "torque": (m.twist, 0)}.get(BODIES[part].pushed, (0, 0))
-        place = m.place[part]
-        state[place] = (carried - load) / getattr(d, PARTS[part][1])
-        if BODIES[part].on == "screw":
-            state[place], state[place + 1] = state[place] + state[0], state[place + 1] + state[1]
-        elif part == "motor":  # which stands, too, and whose controller has seen no error
-            state[place : place + 2] = m.steady_torque / d.integral_gain, state[1]
-            state[0] = state[0] + state[place]
-    if m.compliant:
-        state[m.place["threads"]] = contact / d.contact_stiffness
-    return doubles(state, (len(state),))
-
-
-@many_digits()
-def standing_state(drive: Drive) -> np.ndarray:
-    """Return the state of :func:`standing` of a drive."""
-    d = drive.exact()
-    return standing(Mechanism(d, drive.parts, d.steady_friction))
-
-
-@many_digits()
-def seated_state(drive: Drive, u: float, w: float) -> np.ndarray:
-    """Return the state with a deviation u [rad] and w [rad/s], all else as in steady sliding of compliant threads."""
-    d = drive.exact()
-    state = seated(Mechanism(d, drive.parts, d.steady_friction))
-    state[:2] = u, w
-    return state
+    waiting, found = [(dict(left), right) for left, right in equations], dict[str, tuple[Any, ...]]()
+    order: list[tuple[str, dict[str, Any], Row]] = []
+    while waiting:
+        left, right = waiting.pop(min(range(len(waiting)), key=lambda k: len(waiting[k][0])))
+        name = min(left, key=lambda name: [name in other for other, _ in waiting].count(True))
+        first = left.pop(name)
+        left = {key: x / first for key, x in left.items()}
+        right = tuple([0 if nothing(x) else x / first for x in right])
+        order.append((name, left, right))
+        for k, (others, side) in enumerate(waiting):
+            if name in others:
+                factor = others.pop(name)
+                sums = {key: added(others.get(key, 0), -factor * x) for key, x in left.items()}
+                kept = {key: x for key, x in (others | sums).items() if not nothing(x)}
+                waiting[k] = kept, plus(side, scaled(right, -factor))
+    for name, left, right in reversed(order):
+        found[name] = plus(right, *(scaled(found[key], -x) for key, x in left.items()))
+    return found

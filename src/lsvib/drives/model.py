@@ -15,8 +15,8 @@ import numpy as np
 
 from lsvib.drives import observables, thresholds
 from lsvib.drives.drive import DRY, PARTS, Drive
-from lsvib.drives.mechanism import seated_state, standing_state
 from lsvib.drives.names import COORDINATES, Event, codes_of, own_frictions, sides_of_rest
+from lsvib.drives.states import seated_state, standing_state
 from lsvib.errors import InputError
 
 _EQUATIONS = {"threads": "eqs 8.6, 8.7", "support": "eqs 8.23-8.32", "nut": "Sect. 5.8, eq. 8.33"}

@@ -9,8 +9,8 @@ import numpy as np
 
 from lsvib.drives.drive import PARTS, Drive
 from lsvib.drives.mechanics import coefficients
-from lsvib.drives.mechanism import seated_state
 from lsvib.drives.names import BODIES
+from lsvib.drives.states import seated_state
 from lsvib.dynamics.energy import Work, work
 from lsvib.dynamics.impulses import Impulses, event_impulses
 from lsvib.systems import cycles
