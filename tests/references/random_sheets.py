@@ -6,8 +6,8 @@ from benchmarks.sheets.own_sheets import OwnSheet
 from lsvib import Drive
 from lsvib.drives.pairings import PAIRINGS
 from lsvib.errors import InputError
+from lsvib.sheets.draw import Draw
 from lsvib.sheets.materials import NUT_MATERIALS, SCREW_MATERIALS
-from lsvib.sheets.operation import Draw
 from lsvib.sheets.sheet import Sheet
 from lsvib.sheets.window import OperatingWindow
 

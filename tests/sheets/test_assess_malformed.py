@@ -14,14 +14,15 @@ from references.command_line import refused
 from references.random_sheets import LAW, sheet
 
 from lsvib.drives import friction
+from lsvib.sheets.draw import Draw
 from lsvib.sheets.fields import NotQuantity, quantity
-from lsvib.sheets.operation import Draw
-from lsvib.sheets.quantities import (
+from lsvib.sheets.formulas import (
     coefficient_from_efficiency,
     lifting_efficiency,
     lowering_efficiency,
     square_coefficient,
 )
+from lsvib.sheets.operation import Operation
 from lsvib.sheets.sheet import Load
 from lsvib.sheets.starting import Starts, starting
 from lsvib.sheets.threads import thread_size
@@ -291,9 +292,9 @@ def test_the_fall_of_the_law_decides_from_the_onset_force_on():
     """At 10 rad/s C_0 + S vanishes at R = 64.305 N, where the law is that of the powered seat, without drag."""
     given = sheet(friction=LAW, operation=SLOW)
     draw = Draw.of(given)
-    found = [float(draw.at(1, 10.0, -force).reserves["falling_friction"]) for force in (64.304, 64.307)]
+    found = [float(Operation(draw, 1, 10.0, -force).reserves["falling_friction"]) for force in (64.304, 64.307)]
     assert found[0] > 0 > found[1]
-    below, above = (draw.at(1, 10.0, -force).motion() for force in (62.0, 67.0))
+    below, above = (Operation(draw, 1, 10.0, -force).motion() for force in (62.0, 67.0))
     assert (below.attractor, above.attractor) == ("steady sliding", "stick slip cycle")
     assert above.load_speed[0] == 0 < above.amplitude
 
@@ -303,9 +304,9 @@ def test_a_start_from_rest_keeps_jerking_up_to_the_stated_speed():
     given = sheet(friction={**LAW, "static": 0.4}, operation=SLOW, load={"mass": "1 kg", "force": "-60 N"})
     draw = Draw.of(given)
     edge = starting(draw, Starts(given)).even_speed
-    moved = [draw.at(1, part * edge, -60.0).motion(None) for part in (0.998, 1.002)]
+    moved = [Operation(draw, 1, part * edge, -60.0).motion(None) for part in (0.998, 1.002)]
     assert [one.vibrates for one in moved] == [True, False]
-    assert draw.at(1, 0.998 * edge, -60.0).motion().attractor == "steady sliding"
+    assert Operation(draw, 1, 0.998 * edge, -60.0).motion().attractor == "steady sliding"
 
 
 @pytest.mark.parametrize("exponent", [1, 2])
@@ -314,12 +315,12 @@ def test_a_flank_angle_raises_all_of_the_law_alike(exponent):
     law = {**LAW, "static": 0.25, "stribeck_exponent": exponent}
     thread = {"lead_angle": "5.57 deg", "pitch_diameter": "10.36 mm", "half_angle": "25 deg"}
     given, flat = sheet(friction=law, thread=thread), sheet(friction=law)
-    drive, level = (Draw.of(one).at(1, 3.0, 20.0).rigid for one in (given, flat))
+    drive, level = (Operation(Draw.of(one), 1, 3.0, 20.0).rigid for one in (given, flat))
     factor = square_coefficient(1.0, drive.lead_angle, math.radians(25))
     for key in ("friction_coefficient", "static_friction_coefficient", "stribeck_rise", "friction_slope"):
         assert getattr(drive, key) == pytest.approx(factor * getattr(level, key), rel=1e-14)
     assert (drive.stribeck_speed, drive.stribeck_exponent) == (0.013704, exponent)
-    coefficient, slope = Draw.of(given).at(1, 3.0, 20.0).friction
+    coefficient, slope = Operation(Draw.of(given), 1, 3.0, 20.0).friction
     speed = friction.steady_speed(drive.replace(input_speed=3.0).exact())
     expected = float(friction.coefficient(drive.exact(), speed))
     assert coefficient == pytest.approx(expected, rel=1e-14)

@@ -14,8 +14,9 @@ from lsvib.drives.mechanics import coefficients, damping_by_slope
 from lsvib.drives.states import standing_state
 from lsvib.sheets.assessment import assess
 from lsvib.sheets.changes import margins
+from lsvib.sheets.draw import Draw
 from lsvib.sheets.mechanisms import NAMES
-from lsvib.sheets.operation import Draw
+from lsvib.sheets.operation import Operation
 from lsvib.sheets.sheet import Sheet
 from lsvib.sheets.window import OperatingWindow, worst
 from lsvib.stability.boundaries import stable_set
@@ -153,7 +154,7 @@ def test_no_point_of_the_window_is_worse_than_its_corners(more):
         speed = rng.uniform(draw.values["speed_low"], draw.values["speed_high"], 3000)
         force = rng.uniform(draw.values["force_low"], draw.values["force_high"], 3000)
         for direction in (1, -1):
-            inside = draw.at(direction, speed, force).reserves
+            inside = Operation(draw, direction, speed, force).reserves
             for name, one in found.items():
                 assert one.reserve[0] <= inside[name].min() + 1e-9, name
 
@@ -166,7 +167,7 @@ def test_under_one_force_the_speed_at_which_the_drag_balances_it_is_looked_at():
     )  # fmt: skip
     draw = Draw.of(given)
     found = worst(draw)["negative_damping"]
-    ends = [draw.at(1, end, -50.0).reserves["negative_damping"] for end in (10.0, 150.0)]
+    ends = [Operation(draw, 1, end, -50.0).reserves["negative_damping"] for end in (10.0, 150.0)]
     assert found.reserve[0] < 0 < min(ends)
     drive = OperatingWindow(draw).critical("negative_damping").rigid
     c = coefficients(drive)

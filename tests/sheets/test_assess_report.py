@@ -19,6 +19,7 @@ from lsvib.pictures import style
 from lsvib.sheets import pictures
 from lsvib.sheets.assessment import assess
 from lsvib.sheets.chart import KINDS, charts
+from lsvib.sheets.operation import Operation
 from lsvib.sheets.output import assess_file
 from lsvib.sheets.report import compare
 from lsvib.sheets.sheet import Sheet
@@ -156,7 +157,7 @@ def spiky():
 def test_a_motion_that_is_shown_is_resolved(spiky, speed):
     """Six cycles, at 1 mm/s with slips of a 50th of one; the last are those of the table, at 30 mm/s from late on."""
     corner = -1, speed * 2 * math.pi / 2e-3, 0.0
-    shown = spiky.draw.at(*corner).motion(-STRONG)
+    shown = Operation(spiky.draw, *corner).motion(-STRONG)
     assert shown.time[-1] * shown.frequency == pytest.approx(6)
     late = shown.time > 0.5 * shown.time[-1]
     assert 0.5 * np.ptp(shown.deviation[late]) == pytest.approx(shown.amplitude, rel=0.05)

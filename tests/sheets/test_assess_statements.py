@@ -13,10 +13,11 @@ from lsvib.drives.model import model_of
 from lsvib.errors import InputError
 from lsvib.sheets.assessment import assess
 from lsvib.sheets.changes import ANY, margins
+from lsvib.sheets.draw import Draw
+from lsvib.sheets.formulas import lifting_efficiency, sliding_speed
 from lsvib.sheets.mechanisms import NAMES
-from lsvib.sheets.operation import Draw
+from lsvib.sheets.operation import Operation
 from lsvib.sheets.output import as_json
-from lsvib.sheets.quantities import lifting_efficiency, sliding_speed
 from lsvib.sheets.report import brief, of_curve, report, said
 from lsvib.sheets.sheet import Sheet
 from lsvib.sheets.vibration import tolerated_by_trial
@@ -227,7 +228,7 @@ def test_both_directions_are_mirror_images(direction):
     )
     draw = Draw.of(given)
     for corner in OperatingWindow(draw).corners:
-        mirrored = draw.at(-corner.direction, corner.speed, -corner.force)
+        mirrored = Operation(draw, -corner.direction, corner.speed, -corner.force)
         one, other = corner.reserves, mirrored.reserves
         assert {name: float(x) for name, x in one.items()} == {name: float(x) for name, x in other.items()}
 
@@ -275,7 +276,7 @@ def lowest_of_dense(draw, name):
     """The lowest reserve over a dense grid of the window, as far as it is not where friction is at the cut."""
     speeds = np.geomspace(draw.values["speed_low"], draw.values["speed_high"], 4000)
     forces = np.linspace(draw.values["force_low"], draw.values["force_high"], 9)[:, None]
-    return min(float(np.nanmin(draw.at(side, speeds, forces).reserves[name])) for side in draw.sheet.directions)
+    return min(float(np.nanmin(Operation(draw, side, speeds, forces).reserves[name])) for side in draw.sheet.directions)
 
 
 def test_a_fall_of_friction_between_two_speeds_is_seen():

@@ -9,6 +9,7 @@ from lsvib import Drive
 from lsvib.sheets.assessment import assess
 from lsvib.sheets.changes import changeable
 from lsvib.sheets.chart import KINDS, charts
+from lsvib.sheets.operation import Operation
 from lsvib.sheets.output import as_json
 from lsvib.sheets.report import brief, report
 from lsvib.sheets.sheet import Sheet
@@ -165,8 +166,8 @@ def changes_that_help(seeds) -> int:
             keys = changeable(found.draw.values)[row.quantity]
             for factor, quiet in ((row.factor, True), (1 + 0.87 * (row.factor - 1), False)):
                 own = found.draw.scaled(keys, factor)
-                speeds = [own.values["speed_low"], own.values["speed_high"]]
-                places = [own.at(way, at, own.values["force_low"]) for way in own.sheet.directions for at in speeds]
+                speeds, force = [own.values["speed_low"], own.values["speed_high"]], own.values["force_low"]
+                places = [Operation(own, way, at, force) for way in own.sheet.directions for at in speeds]
                 assert all(map(Starts(own.sheet).evenly, places)) == quiet
             count += 1
     return count
@@ -189,5 +190,5 @@ def test_the_chart_is_from_rest():
             last = np.flatnonzero(jerks[row])[-1] if jerks[row].any() else 0
             for k, even in ((last - 1, False), (last + 2, True)):
                 speed = chart.speed[max(k, 0)] * 2 * np.pi / found.draw.values["lead"]
-                there = found.draw.at(chart.direction, speed, chart.force[row])
+                there = Operation(found.draw, chart.direction, speed, chart.force[row])
                 assert k < 0 or runs_evenly(there.rigid) == even

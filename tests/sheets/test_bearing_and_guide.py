@@ -9,7 +9,7 @@ import pytest
 from lsvib.drives.mechanics import holding_coefficient, relieved_half, thread_force
 from lsvib.errors import InputError
 from lsvib.sheets.assessment import assess
-from lsvib.sheets.operation import Draw
+from lsvib.sheets.draw import Draw
 from lsvib.sheets.output import assess_file
 from lsvib.sheets.report import of_statics, report
 from lsvib.sheets.sheet import Sheet

@@ -16,8 +16,8 @@ from lsvib.answers.io import read_dataset
 from lsvib.errors import InputError
 from lsvib.sheets.fit_output import as_json, blocks, flank_law, sentences
 from lsvib.sheets.fit_sheet import fit_sheet
+from lsvib.sheets.formulas import square_coefficient
 from lsvib.sheets.output import assess_file
-from lsvib.sheets.quantities import square_coefficient
 from lsvib.sheets.sheet import Friction
 from lsvib.sheets.torque.law import BREAKAWAY, Measured, fitted, halves, steady_torque
 from lsvib.sheets.torque.tables import Recording, steady_point

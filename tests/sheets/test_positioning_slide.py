@@ -7,7 +7,8 @@ import numpy as np
 
 import lsvib
 from lsvib.sheets.assessment import assess
-from lsvib.sheets.operation import Draw
+from lsvib.sheets.draw import Draw
+from lsvib.sheets.operation import Operation
 from lsvib.sheets.report import brief
 from lsvib.sheets.sheet import Sheet
 from lsvib.sheets.starting import Starts
@@ -32,7 +33,7 @@ def test_with_a_light_screw_on_a_stiff_coupling_it_is_a_block():
     assert abs(block - 1.7015e-3) < 1e-7
     draw = Draw.of(SHEET).changed(coupling_stiffness=1e6, screw_inertia=1e-6, screw_mass=1e-3)
     for direction in (1, -1):
-        there = [draw.at(direction, part * block / draw.travel, 0.0) for part in (0.999, 1.001)]
+        there = [Operation(draw, direction, part * block / draw.travel, 0.0) for part in (0.999, 1.001)]
         runs = [Starts(SHEET).evenly(one) for one in there]
         assert runs == [False, True]
 
@@ -44,7 +45,7 @@ def test_the_report_says_below_which_speed_the_slide_jerks_and_what_ends_it():
     assert abs(started.even_speed * found.draw.travel - 1.71e-3) < 5e-6
     assert started.motion.load_speed[0] == 0 < started.motion.screw_speed[0]  # it is the load that stands
     for direction, part in ((1, 0.995), (1, 1.005), (-1, 0.995), (-1, 1.005)):  # events long after the start
-        drive = found.draw.at(direction, part * started.even_speed, 0.0).drive
+        drive = Operation(found.draw, direction, part * started.even_speed, 0.0).drive
         motion = lsvib.Drive.of(drive).simulate("rest", 1.0)
         assert (motion.event_time.values.max() > 0.5) == (part < 1)
     ends = {row.quantity: row.value for row in found.changes}

@@ -10,8 +10,8 @@ import yaml
 from lsvib.cli.app import run
 from lsvib.cli.pages import app
 from lsvib.sheets.assessment import assess
+from lsvib.sheets.draw import Draw
 from lsvib.sheets.materials import SCREW_MATERIALS
-from lsvib.sheets.operation import Draw
 from lsvib.sheets.output import assess_file
 from lsvib.sheets.report import brief, report
 from lsvib.sheets.sheet import Coupling, Friction, Nut, Screw, Sheet, Thread

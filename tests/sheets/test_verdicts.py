@@ -7,7 +7,8 @@ import pytest
 import yaml
 
 from lsvib.sheets.assessment import assess
-from lsvib.sheets.operation import Draw
+from lsvib.sheets.draw import Draw
+from lsvib.sheets.operation import Operation
 from lsvib.sheets.report import brief
 from lsvib.sheets.sheet import Sheet
 from lsvib.sheets.window import worst
@@ -75,7 +76,7 @@ def test_a_change_that_leaves_jerks_is_said_to():
     assert "friction of the threads 0.54 % smaller" in line
     own = found.draw.scaled(["friction_coefficient"], 1 - 0.0054)
     assert min(worst(own)[name].reserve[0] for name in found.names) > 0
-    assert runs_evenly(own.at(1, own.values["speed_low"], 711.3).drive) is False
+    assert runs_evenly(Operation(own, 1, own.values["speed_low"], 711.3).drive) is False
 
 
 def test_the_advice_of_the_seat_is_true_of_the_sheet_with_it():

@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 from lsvib.errors import InputError
 from lsvib.sheets import vibration as motions
 from lsvib.sheets.changes import ANY, Change, advice, margins
+from lsvib.sheets.draw import Draw
 from lsvib.sheets.mechanisms import NAMES
-from lsvib.sheets.operation import Draw, Operation
+from lsvib.sheets.operation import Operation
 from lsvib.sheets.sheet import Sheet
 from lsvib.sheets.starting import Starting, Starts, starting
 from lsvib.sheets.statics import Statics, statics

@@ -14,10 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lsvib.drives.drive import PARTS, STATIC
+from lsvib.sheets.draw import PAIRS, Draw
 from lsvib.sheets.fields import LARGEST_HALF_ANGLE
+from lsvib.sheets.formulas import Values
 from lsvib.sheets.mechanisms import NAMES
-from lsvib.sheets.operation import PAIRS, Draw, Operation
-from lsvib.sheets.quantities import Values
+from lsvib.sheets.operation import Operation
 from lsvib.sheets.starting import Starts, places, speeds
 from lsvib.sheets.vibration import UNDECIDED
 from lsvib.sheets.window import OperatingWindow, worst
@@ -281,12 +282,12 @@ class _Asker:
 
 def _points(draw: Draw) -> list[Operation]:
     """The points of the window at which a drive is started."""
-    return [draw.at(way, speed, force) for way, force in places(draw) for speed in speeds(draw)]
+    return [Operation(draw, way, speed, force) for way, force in places(draw) for speed in speeds(draw)]
 
 
 def _level(draw: Draw) -> float:
     """The least friction of a law in the window over the largest [1]; 1 without a law."""
     if not draw.sheet.friction.law:
         return 1.0
-    found = draw.at(1, np.linspace(0.0, draw.values["speed_high"], 200), 0.0).friction[0]
+    found = draw.friction_at(np.linspace(0.0, draw.values["speed_high"], 200))[0]
     return float(found.min() / max(found.max(), 1e-300))

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lsvib.sheets.operation import Draw
+from lsvib.sheets.draw import Draw
+from lsvib.sheets.operation import Operation
 from lsvib.sheets.starting import outcomes
 from lsvib.sheets.window import applicable
 
@@ -43,8 +44,8 @@ def charts(draw: Draw) -> list[Chart]:
 
 def _kinds(draw: Draw, direction: int, turning: NDArray[Any], force: NDArray[Any]) -> NDArray[np.int8]:
     """Flag of the first mechanism in the order of :data:`KINDS` that occurs at each point (force, speed)."""
-    there = draw.at(direction, turning[None, :], force[:, None])
-    found, p, shape = there.reserves, there.without_friction, (force.size, turning.size)
+    there = Operation(draw, direction, turning[None, :], force[:, None])
+    found, p, shape = there.reserves, there.parameters, (force.size, turning.size)
     drag = p["pitch_radius"] * np.tan(p["lead_angle"]) * p["translation_damping"]
     ratio = np.abs(p["axial_force"] - drag * p["input_speed"]) / turning  # |R̃ / Ω|
     kind = np.zeros(shape, dtype=np.int8)
@@ -72,7 +73,7 @@ def _fatal_ratio(draw: Draw, direction: int, most: float, drag: float) -> float 
     speed, (low, high) = draw.values["speed_high"], (1e-4 * most, most)
     for _ in range(12):
         ratio = math.sqrt(low * high)
-        size, _ = draw.at(direction, speed, direction * speed * (ratio - drag) - draw.weight).tolerated
+        size, _ = Operation(draw, direction, speed, direction * speed * (ratio - drag) - draw.weight).tolerated
         if not size:  # not known, or zero as nothing damps the drive
             return None
         low, high = (low, ratio) if size == math.inf else (ratio, high)

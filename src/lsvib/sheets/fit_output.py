@@ -15,7 +15,7 @@ from lsvib.files import check_outputs, replacing, write_json, write_text
 from lsvib.pictures import style
 from lsvib.pictures.torque import residual_panel, torque_panel
 from lsvib.sheets.fit_sheet import OF_FLANKS, FittedSheet, fit_sheet
-from lsvib.sheets.quantities import flank_coefficient
+from lsvib.sheets.formulas import flank_coefficient
 from lsvib.sheets.torque.dataset import fit_variables
 from lsvib.sheets.torque.law import BREAKAWAY, LARGEST_STATIC, PARAMETERS, Solution, load_of_directions
 from lsvib.sheets.torque.records import Record

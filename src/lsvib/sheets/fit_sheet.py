@@ -18,7 +18,7 @@ from lsvib.errors import InputError
 from lsvib.numbers import number, shown, whole
 from lsvib.sheets import fields
 from lsvib.sheets.fields import NotQuantity, Spread
-from lsvib.sheets.quantities import GRAVITY, square_coefficient, thread_geometry
+from lsvib.sheets.formulas import GRAVITY, square_coefficient, thread_geometry
 from lsvib.sheets.sheet import Load, Part, Thread
 from lsvib.sheets.torque.law import Fit, Measured, Solution, fitted, steady_torque
 from lsvib.sheets.torque.records import Record, look

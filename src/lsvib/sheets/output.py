@@ -16,7 +16,8 @@ from lsvib.files import check_outputs, replacing, write_json, write_text
 from lsvib.sheets.assessment import AssessedMotion, Assessment, assess
 from lsvib.sheets.changes import Change
 from lsvib.sheets.chart import KINDS, Chart, charts
-from lsvib.sheets.operation import Draw, Operation
+from lsvib.sheets.draw import Draw
+from lsvib.sheets.operation import Operation
 from lsvib.sheets.report import brief, of_curve, of_statics, report, said
 from lsvib.sheets.sheet import Sheet
 from lsvib.sheets.starting import Starting

@@ -21,10 +21,10 @@ from lsvib.sheets import pictures, words
 from lsvib.sheets.assessment import Assessment
 from lsvib.sheets.changes import Change, applied
 from lsvib.sheets.chart import Chart
+from lsvib.sheets.draw import Draw
 from lsvib.sheets.fields import Spread
+from lsvib.sheets.formulas import FRICTION, sliding_speed
 from lsvib.sheets.materials import NUT_MATERIALS
-from lsvib.sheets.operation import Draw
-from lsvib.sheets.quantities import FRICTION, sliding_speed
 from lsvib.sheets.starting import BEYOND
 from lsvib.sheets.statics import Statics, lets_go
 from lsvib.sheets.threads import ThreadSize

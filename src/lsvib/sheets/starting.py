@@ -5,7 +5,7 @@ The motions are those of :mod:`lsvib.stability.starting`, at the ends of the ran
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import pairwise, product
 from typing import Any
@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 
 from lsvib.drives.drive import STATIC
 from lsvib.errors import InputError
-from lsvib.sheets.operation import Draw, Operation
+from lsvib.sheets.draw import Draw
+from lsvib.sheets.operation import Operation
 from lsvib.sheets.sheet import Sheet
 from lsvib.sheets.vibration import Vibration
 from lsvib.stability.starting import even_from, runs_evenly
@@ -103,7 +104,7 @@ def starting(draw: Draw, starts: Starts, draws: Iterable[Draw] = (), ends: Itera
 
     def asked(place: Place, speed: float, own: Draw = draw, stiff: bool = False) -> bool | None:
         """Whether a drive runs evenly."""
-        return starts.evenly(own.at(place[0], speed, place[1]), stiff)
+        return starts.evenly(Operation(own, place[0], speed, place[1]), stiff)
 
     often = {at: sum(asked(at, speed, stiff=True) is False for speed in window) for at in all_places}
     found = {at: even_from(partial(asked, at, stiff=True), tried, high) for at in all_places}
@@ -113,7 +114,7 @@ def starting(draw: Draw, starts: Starts, draws: Iterable[Draw] = (), ends: Itera
     answers = {point: asked(*point) for point in (product(all_places, window) if draw.sheet.stiff else points)}
     jerky = [point for point in points + list(answers) if answers[point] is False]
     place, first = jerky[0] if jerky else (worst, low)
-    there = draw.at(place[0], first, place[1])
+    there = Operation(draw, place[0], first, place[1])
     even_speed = found[place] if draw.sheet.stiff else even_from(lambda speed: asked(place, speed), tried, high)
     k = [at for at in all_places[::-1] if at[0] == place[0]].index(place)  # an uncertain force moves it
     own = [
@@ -135,7 +136,7 @@ def _cause(there: Operation, starts: Starts) -> str:
     if draw.sheet.followed:
         without["static"] = {static: 0.0 for one in without.values() for static in one}
         without["law"] = {**without["static"], "stribeck_rise": 0.0, "friction_slope": 0.0}
-    known = {name: starts.evenly(draw.changed(**none).at(*there.corner)) for name, none in without.items()}
+    known = {name: starts.evenly(replace(there, draw=draw.changed(**none))) for name, none in without.items()}
     return next((name for name, even in known.items() if even), "unknown" if None in known.values() else "")
 
 
@@ -173,7 +174,7 @@ def outcomes(draw: Draw, direction: int, turning: NDArray[Any], force: NDArray[A
 
     def asked(speed: float, push: float) -> float:
         """The answer at a point."""
-        found = starts.evenly(draw.at(direction, speed, push))
+        found = starts.evenly(Operation(draw, direction, speed, push))
         return math.nan if found is None else float(found)
 
     if not draw.sheet.stiff or draw.sheet.dry or draw.sheet.friction.sloped:

@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 from lsvib.drives.mechanics import holding_coefficient, relieved_half, thread_force
 from lsvib.errors import InputError
 from lsvib.sheets import window
+from lsvib.sheets.draw import Draw
+from lsvib.sheets.formulas import Values, flank_coefficient, sliding_speed
 from lsvib.sheets.materials import NUT_MATERIALS, SCREW_MATERIALS
-from lsvib.sheets.operation import Draw
-from lsvib.sheets.quantities import Values, flank_coefficient, sliding_speed
 from lsvib.sheets.sheet import Sheet
 from lsvib.sheets.uncertainty import ends
 from lsvib.sheets.words import ABOUT
@@ -138,7 +138,7 @@ def statics(sheet: Sheet) -> Statics:
     middle = _judged(draw, *_middle(_window(draw)))
     surely_pushed = _pushed(draw).any()
     draw = Draw.of(sheet, ends(sheet))
-    if sheet.friction.curve and not np.all(draw.at(1, draw.values["speed_high"], 0.0).friction[0]):
+    if sheet.friction.curve and not np.all(draw.friction_at(draw.values["speed_high"])[0]):
         raise InputError(
             f"friction.curve ends at {sheet.friction.curve[-1][0]:g} m/s, and the law that fits it falls to zero "
             "before the fastest sliding of the threads; give points up to there."
@@ -211,7 +211,7 @@ def _judged(draw: Draw, speed: Floats, held: Floats, load: Floats) -> dict[str, 
     Where the threads jam, μ ≥ cot λ, the torque against the load is infinite.
     """
     sheet, values, entries, collar = draw.sheet, draw.values, draw.entries, draw.collar
-    radius, angle, coefficient = draw.pitch_radius, draw.lead_angle, draw.at(1, speed, 0.0).friction[0]
+    radius, angle, coefficient = draw.pitch_radius, draw.lead_angle, draw.friction_at(speed)[0]
     turns = coefficient * np.tan(angle) < 1  # else the threads jam
     if sheet.preloaded and not turns.all():
         raise InputError(
@@ -219,7 +219,7 @@ def _judged(draw: Draw, speed: Floats, held: Floats, load: Floats) -> dict[str, 
             "lower friction or the lead of the thread."
         )
     found: dict[str, Judged] = {}
-    slow = flank_coefficient(draw.at(1, 0.0, 0.0).friction[0], angle, values["half_angle"])
+    slow = flank_coefficient(draw.friction_at(0.0)[0], angle, values["half_angle"])
     at_rest = values.get("static_friction_coefficient", slow)
     bearing, guide = (values.get(key, 0.0) for key in ("bearing_friction", "slide_friction"))
     still, standing = values.get("bearing_static_friction", bearing), values.get("slide_static_friction", guide)

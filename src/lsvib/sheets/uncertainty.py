@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.stats import binomtest, qmc, sobol_indices, uniform  # type: ignore[import-untyped]
 
 from lsvib.errors import InputError
-from lsvib.sheets.operation import Draw
+from lsvib.sheets.draw import Draw
 from lsvib.sheets.sheet import Sheet
 from lsvib.sheets.window import OperatingWindow, count_of, worst
 

@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 
 from lsvib.drives import friction
 from lsvib.sheets import vibration
+from lsvib.sheets.draw import Draw
+from lsvib.sheets.formulas import sliding_speed
 from lsvib.sheets.mechanisms import NAMES
-from lsvib.sheets.operation import Draw, Operation
-from lsvib.sheets.quantities import sliding_speed
+from lsvib.sheets.operation import Operation
 from lsvib.sheets.sheet import Sheet
 
 Array = NDArray[Any]  # of floats
@@ -47,7 +48,7 @@ class OperatingWindow:
         They are those of docs/assess.md: with rigid parts reserves of damping are monotonic in the size of R̃.
         """
         return [
-            self.draw.at(direction, speed, force)
+            Operation(self.draw, direction, speed, force)
             for direction in self.draw.sheet.directions
             for speed, force in zip(*points(self.draw, direction), strict=True)
         ]
@@ -79,7 +80,7 @@ class OperatingWindow:
     def critical(self, mechanism: str) -> Operation:
         """Return the point of the window at which the drive has the lowest reserve of a mechanism."""
         _, direction, speed, force = (float(one[0]) for one in self.worst[mechanism])
-        return self.draw.at(int(direction), speed, force)
+        return Operation(self.draw, int(direction), speed, force)
 
 
 def applicable(sheet: Sheet) -> tuple[str, ...]:
@@ -96,9 +97,10 @@ def points(draw: Draw, direction: int, between: bool = True) -> tuple[Array, Arr
     sheet = draw.sheet
     shares = np.linspace(_BESIDE, 1.0, 3 if between and sheet.support is not None else 1)
     draw = replace(draw, values={key: np.broadcast_to(value, draw.shape) for key, value in draw.values.items()})
-    values, p = draw.values, draw.at(direction, 1.0, 0.0).without_friction
-    drag = p["pitch_radius"] * np.tan(p["lead_angle"]) * p["translation_damping"] * direction  # R̃ = R − drag Ω
-    own = p["axial_force"] - p.get("slide_friction", 0.0) * direction
+    values = draw.values
+    # R̃ = R − drag Ω, of which R is own less the force.
+    drag = draw.pitch_radius * np.tan(draw.lead_angle) * values["translation_damping"] * direction
+    own = -draw.weight - values.get("slide_friction", 0.0) * direction
 
     def within(key: str, places: Any) -> Array:
         low, high = values[f"{key}_low"], values[f"{key}_high"]
@@ -181,7 +183,7 @@ def _worst(draw: Draw, between: bool) -> dict[str, Worst]:
             np.broadcast_to(table[:, None] if table.ndim == 1 else table, (len(table), *shape))
             for table in points(draw, direction, between)
         )
-        rows.append(draw.at(direction, speeds, forces).reserves)
+        rows.append(Operation(draw, direction, speeds, forces).reserves)
         places.append((np.full(speeds.shape, direction), speeds, forces))
     side, speed, force = (np.concatenate(tables) for tables in zip(*places, strict=True))
     found = {}
@@ -211,7 +213,7 @@ def _lowest_between(draw: Draw, own: Pair, best: Pair, speeds: Array) -> Pair:
     def looked(place: Array) -> Array:
         """Return the reserve at some speeds, and keep the lowest."""
         nonlocal reserve, at
-        here = draw.at(own[0], place, own[1]).reserves["falling_friction"]
+        here = Operation(draw, own[0], place, own[1]).reserves["falling_friction"]
         reserve, at = np.where(here < reserve, here, reserve), np.where(here < reserve, place, at)
         return np.asarray(here)
 
