@@ -10,9 +10,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
-from functools import cache
+from functools import cache, partial
 from itertools import pairwise
-from typing import Annotated, Any
+from typing import Annotated, Any, Self
 
 import numpy as np
 import pint
@@ -128,6 +128,7 @@ _FORMS = {
     "normal": ("mean", "std"),
     "lognormal": ("median", "factor"),
 }
+Allowed = Mapping[str, tuple[float, float]]  # the range of a quantity in each unit that it may have
 TAIL = 4.0  # standard deviations at which a normal distribution is cut off: 6e-5 of it lie beyond
 
 
@@ -146,6 +147,44 @@ class Spread:
     low: float
     high: float
     text: str
+
+    @classmethod
+    def of(cls, value: Any, allowed: Allowed, above: bool = False) -> Self:
+        """Return what a data sheet says of one quantity, in the first unit of those ``allowed`` that fits.
+
+        ``value``: a quantity, a list of two (a range), or a mapping with ``low`` and ``high``; ``low``, ``mode`` and
+        ``high``; ``mean`` and ``std``; ``median`` and ``factor``. ``above``: the lower end of the allowed range is not
+        part of it. Raises ``NotQuantity``.
+        """
+        check = partial(_check, allowed=allowed, above=above)
+        if isinstance(value, list):
+            if len(value) != 2:
+                raise NotQuantity(f"= {shown(value)} is not a range of two quantities, such as [a, b]")
+            value = {"low": value[0], "high": value[1]}
+        if not isinstance(value, Mapping):
+            figure, unit = quantity(value, *allowed)
+            check(figure, unit)
+            return cls("value", (figure,), unit, figure, figure, _plain(value))
+        kind = next((kind for kind, keys in _FORMS.items() if set(keys) == set(map(str, value))), None)
+        if kind is None:
+            raise NotQuantity(
+                f"has the keys {', '.join(map(str, value)) or 'none'}; "
+                "a distribution has low and high, low, mode and high, mean and std, or median and factor"
+            )
+        figures, kinds = [], []
+        for key in _FORMS[kind]:
+            try:
+                figure, unit = quantity(value[key], *(("",) if key == "factor" else allowed))
+            except NotQuantity as error:
+                raise NotQuantity(f"({key}) {error}") from None
+            figures.append(figure)
+            kinds += [unit] if key != "factor" else []
+        unit = kinds[0]
+        if len(set(kinds)) > 1:
+            raise NotQuantity("mixes two kinds of quantity in one distribution")
+        text = ", ".join(f"{key} {_plain(value[key])}" for key in _FORMS[kind])
+        low, high = _ends(kind, figures, unit, check)
+        return cls(kind, tuple(figures), unit, low, high, text)
 
     @property
     def uncertain(self) -> bool:
@@ -176,42 +215,6 @@ class Spread:
         return np.asarray(np.clip(values, self.low, self.high))
 
 
-def spread(value: Any, *units: str, check: Callable[[float, str], None]) -> Spread:
-    """Return what a data sheet says of one quantity, in the first of ``units`` that fits.
-
-    ``value``: a quantity, a list of two (a range), or a mapping with ``low`` and ``high``; ``low``, ``mode`` and
-    ``high``; ``mean`` and ``std``; ``median`` and ``factor``. It and ``check(figure, unit)`` raise ``NotQuantity``.
-    """
-    if isinstance(value, list):
-        if len(value) != 2:
-            raise NotQuantity(f"= {shown(value)} is not a range of two quantities, such as [a, b]")
-        value = {"low": value[0], "high": value[1]}
-    if not isinstance(value, Mapping):
-        figure, unit = quantity(value, *units)
-        check(figure, unit)
-        return Spread("value", (figure,), unit, figure, figure, _plain(value))
-    kind = next((kind for kind, keys in _FORMS.items() if set(keys) == set(map(str, value))), None)
-    if kind is None:
-        raise NotQuantity(
-            f"has the keys {', '.join(map(str, value)) or 'none'}; "
-            "a distribution has low and high, low, mode and high, mean and std, or median and factor"
-        )
-    figures, kinds = [], []
-    for key in _FORMS[kind]:
-        try:
-            figure, unit = quantity(value[key], *(("",) if key == "factor" else units))
-        except NotQuantity as error:
-            raise NotQuantity(f"({key}) {error}") from None
-        figures.append(figure)
-        kinds += [unit] if key != "factor" else []
-    unit = kinds[0]
-    if len(set(kinds)) > 1:
-        raise NotQuantity("mixes two kinds of quantity in one distribution")
-    text = ", ".join(f"{key} {_plain(value[key])}" for key in _FORMS[kind])
-    low, high = _ends(kind, figures, unit, check)
-    return Spread(kind, tuple(figures), unit, low, high, text)
-
-
 def _ends(kind: str, figures: list[float], unit: str, check: Callable[[float, str], None]) -> tuple[float, float]:
     """Where a distribution begins and ends; all of its parameters checked."""
     if kind in ("uniform", "triangular"):
@@ -239,30 +242,24 @@ def _plain(value: Any) -> str:
     return value.strip() if isinstance(value, str) else shown(value)
 
 
-def _within(allowed: Mapping[str, tuple[float, float]], above: bool = False) -> Callable[[float, str], None]:
-    """Return a check of figures against the range of their unit; ``above``: its lower end is not part of it."""
-
-    def check(figure: float, unit: str) -> None:
-        """Raise ``NotQuantity`` unless a figure in this unit is in the range."""
-        low, high = allowed[unit]
-        if (figure > low or (figure == low and not above)) and figure <= high:
-            return
-        name, factor = {"rad": ("deg", 180 / math.pi), "rad/s": ("rpm", 30 / math.pi)}.get(unit, (unit, 1.0))
-        value, least, most = (f"{factor * x:.6g} {name}".rstrip() for x in (figure, low, high))
-        raise NotQuantity(f"= {value} is outside the allowed range {least} {'<' if above else '<='} value <= {most}")
-
-    return check
+def _check(figure: float, unit: str, allowed: Allowed, above: bool) -> None:
+    """Raise ``NotQuantity`` unless a figure in this unit is in its range."""
+    low, high = allowed[unit]
+    if (figure > low or (figure == low and not above)) and figure <= high:
+        return
+    name, factor = {"rad": ("deg", 180 / math.pi), "rad/s": ("rpm", 30 / math.pi)}.get(unit, (unit, 1.0))
+    value, least, most = (f"{factor * x:.6g} {name}".rstrip() for x in (figure, low, high))
+    raise NotQuantity(f"= {value} is outside the allowed range {least} {'<' if above else '<='} value <= {most}")
 
 
 def _field(unit: str, low: float, high: float) -> Any:
-    check = _within({unit: (low, high)})
-    return Annotated[Spread, BeforeValidator(lambda value: spread(value, unit, check=check))]
+    return Annotated[Spread, BeforeValidator(lambda value: Spread.of(value, {unit: (low, high)}))]
 
 
 def _positive(highest: Mapping[str, float]) -> Any:
     """A quantity above zero, in one of some units, each with its largest value."""
     allowed = {unit: (0.0, high) for unit, high in highest.items()}
-    return Annotated[Spread, BeforeValidator(lambda value: spread(value, *allowed, check=_within(allowed, above=True)))]
+    return Annotated[Spread, BeforeValidator(lambda value: Spread.of(value, allowed, above=True))]
 
 
 def _least(key: str) -> float:
@@ -308,7 +305,7 @@ def _tilt(value: Any) -> Spread:
     if isinstance(value, str) and (angle := named.get(value.strip().lower())) is not None:
         return Spread("value", (angle,), "rad", angle, angle, value)
     try:
-        return spread(value, "rad", check=_within({"rad": (-math.pi / 2, math.pi / 2)}))
+        return Spread.of(value, {"rad": (-math.pi / 2, math.pi / 2)})
     except NotQuantity as error:
         if isinstance(value, str) and "is not an angle" in str(error):
             raise NotQuantity(f"{error}, horizontal or vertical") from None
