@@ -22,9 +22,9 @@ from lsvib.sheets.formulas import (
     lowering_efficiency,
     square_coefficient,
 )
+from lsvib.sheets.from_rest import Starter, from_rest
 from lsvib.sheets.operation import Operation
 from lsvib.sheets.sheet import Load
-from lsvib.sheets.starting import Starts, starting
 from lsvib.sheets.threads import thread_size
 
 BASE = {
@@ -303,7 +303,7 @@ def test_a_start_from_rest_keeps_jerking_up_to_the_stated_speed():
     """On either side of it by two parts in a thousand; small perturbations decay there, as steady sliding is stable."""
     given = sheet(friction={**LAW, "static": 0.4}, operation=SLOW, load={"mass": "1 kg", "force": "-60 N"})
     draw = Draw.of(given)
-    edge = starting(draw, Starts(given)).even_speed
+    edge = from_rest(draw, Starter(given)).even_speed
     moved = [Operation(draw, 1, part * edge, -60.0).motion(None) for part in (0.998, 1.002)]
     assert [one.vibrates for one in moved] == [True, False]
     assert Operation(draw, 1, 0.998 * edge, -60.0).motion().attractor == "steady sliding"

@@ -15,8 +15,8 @@ from lsvib.drives.states import standing_state
 from lsvib.sheets.assessment import assess
 from lsvib.sheets.changes import margins
 from lsvib.sheets.draw import Draw
-from lsvib.sheets.mechanisms import NAMES
 from lsvib.sheets.operation import Operation
+from lsvib.sheets.reserves import NAMES
 from lsvib.sheets.sheet import Sheet
 from lsvib.sheets.window import OperatingWindow, worst
 from lsvib.stability.boundaries import stable_set

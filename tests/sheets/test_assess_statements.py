@@ -15,10 +15,10 @@ from lsvib.sheets.assessment import assess
 from lsvib.sheets.changes import ANY, margins
 from lsvib.sheets.draw import Draw
 from lsvib.sheets.formulas import lifting_efficiency, sliding_speed
-from lsvib.sheets.mechanisms import NAMES
 from lsvib.sheets.operation import Operation
 from lsvib.sheets.output import as_json
 from lsvib.sheets.report import brief, of_curve, report, said
+from lsvib.sheets.reserves import NAMES
 from lsvib.sheets.sheet import Sheet
 from lsvib.sheets.vibration import tolerated_by_trial
 from lsvib.sheets.window import OperatingWindow, applicable, worst
@@ -351,7 +351,7 @@ def test_a_lead_beside_a_nominal_diameter_needs_its_starts():
 def test_vibration_that_starts_from_rest_alone_is_seen():
     """Motions from −5 Ω settle at every speed, those from rest vibrate up to 34.705 rad/s."""
     found = assess(sheet_of(FROM_REST), samples=64)
-    assert found.starting.even_speed == pytest.approx(34.705, rel=1e-3)
+    assert found.from_rest.even_speed == pytest.approx(34.705, rel=1e-3)
 
 
 def test_the_row_of_vibration_says_what_was_drawn():

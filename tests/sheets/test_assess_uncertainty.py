@@ -9,11 +9,11 @@ from lsvib import Drive
 from lsvib.sheets.assessment import assess
 from lsvib.sheets.changes import changeable
 from lsvib.sheets.chart import KINDS, charts
+from lsvib.sheets.from_rest import Starter
 from lsvib.sheets.operation import Operation
 from lsvib.sheets.output import as_json
 from lsvib.sheets.report import brief, report
 from lsvib.sheets.sheet import Sheet
-from lsvib.sheets.starting import Starts
 from lsvib.sheets.uncertainty import evaluated, study
 from lsvib.sheets.window import OperatingWindow
 from lsvib.stability.force_thresholds import threshold_force
@@ -110,7 +110,7 @@ JERKING = {
 
 def test_the_first_line_says_that_it_jerks_up_to_which_speed_and_how_often():
     found = assess(Sheet.of(JERKING), samples=64)
-    started = found.starting
+    started = found.from_rest
     assert found.verdict == "jerks"
     assert started.cause == "threads"
     assert started.there.corner == (1, pytest.approx(2 * np.pi / 30), 0.9414)
@@ -127,14 +127,14 @@ def test_the_first_line_says_that_it_jerks_up_to_which_speed_and_how_often():
 def test_the_other_direction_is_that_of_the_record():
     """Back, where the force helps, it jerks as the issue of the record says: 2.525 times a second, up to 6.2 rpm."""
     found = assess(Sheet.of({**JERKING, "operation": {"speed": ["2 rpm", "20 rpm"], "direction": "back"}}), samples=64)
-    assert found.starting.motion.frequency == pytest.approx(2.525, abs=5e-3)
-    assert found.starting.even_speed * 30 / np.pi == pytest.approx(6.2, abs=0.05)
+    assert found.from_rest.motion.frequency == pytest.approx(2.525, abs=5e-3)
+    assert found.from_rest.even_speed * 30 / np.pi == pytest.approx(6.2, abs=0.05)
 
 
 def test_above_the_even_speed_it_is_steady():
     found = assess(Sheet.of({**JERKING, "operation": {"speed": "9.5 rpm", "direction": "both"}}), samples=64)
     assert found.verdict == "steady"
-    assert found.starting.jerks is False
+    assert found.from_rest.jerks is False
     assert "Started from rest it runs evenly from 8.79 rpm" in brief(found)[0]
 
 
@@ -159,7 +159,7 @@ def changes_that_help(seeds) -> int:
     count = 0
     for seed in seeds:
         found = assess(Sheet.of(drawn(seed)), samples=64)
-        if not found.starting.jerks:
+        if not found.from_rest.jerks:
             continue
         assert found.changes, seed
         for row in found.changes:
@@ -168,7 +168,7 @@ def changes_that_help(seeds) -> int:
                 own = found.draw.scaled(keys, factor)
                 speeds, force = [own.values["speed_low"], own.values["speed_high"]], own.values["force_low"]
                 places = [Operation(own, way, at, force) for way in own.sheet.directions for at in speeds]
-                assert all(map(Starts(own.sheet).evenly, places)) == quiet
+                assert all(map(Starter(own.sheet).evenly, places)) == quiet
             count += 1
     return count
 

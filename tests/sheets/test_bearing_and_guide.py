@@ -94,7 +94,7 @@ def test_a_whole_assessment_with_all_that_rubs():
     light = assess(Sheet.of({**DRIVE, "load": {**DRIVE["load"], "mass": "2 kg"}}), samples=64)
     found = assess(Sheet.of(DRIVE), samples=64)
     assert (light.verdict, found.verdict) == ("steady", "vibrates")
-    assert light.starting.jerks is False
+    assert light.from_rest.jerks is False
     bare = {key: value for key, value in DRIVE.items() if key != "bearing"}
     assert assess(Sheet.of(bare), samples=64).verdict == "steady"
     assert not lets_go(found.draw, found.draw.changed(friction_coefficient=0.14))
@@ -134,8 +134,8 @@ def test_a_stiff_coupling_gives_the_drive_without_motor():
     one |= {"screw": {"inertia": "4.186e-6 kg*m^2"}}
     expected = assess(Sheet.of(one), samples=64)
     assert found.verdict == expected.verdict == "jerks"
-    assert found.starting.even_speed == pytest.approx(expected.starting.even_speed, rel=5e-3)
-    assert found.starting.motion.frequency == pytest.approx(expected.starting.motion.frequency, rel=5e-3)
+    assert found.from_rest.even_speed == pytest.approx(expected.from_rest.even_speed, rel=5e-3)
+    assert found.from_rest.motion.frequency == pytest.approx(expected.from_rest.motion.frequency, rel=5e-3)
     assert found.draw.sheet.parts == ("motor",)
 
 

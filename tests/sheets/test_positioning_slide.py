@@ -8,10 +8,10 @@ import numpy as np
 import lsvib
 from lsvib.sheets.assessment import assess
 from lsvib.sheets.draw import Draw
+from lsvib.sheets.from_rest import Starter
 from lsvib.sheets.operation import Operation
 from lsvib.sheets.report import brief
 from lsvib.sheets.sheet import Sheet
-from lsvib.sheets.starting import Starts
 from lsvib.stability.solve import bracketed_root
 
 SHEET = Sheet.read(Path(__file__).parents[2] / "examples" / "positioning_slide.yaml")
@@ -34,13 +34,13 @@ def test_with_a_light_screw_on_a_stiff_coupling_it_is_a_block():
     draw = Draw.of(SHEET).changed(coupling_stiffness=1e6, screw_inertia=1e-6, screw_mass=1e-3)
     for direction in (1, -1):
         there = [Operation(draw, direction, part * block / draw.travel, 0.0) for part in (0.999, 1.001)]
-        runs = [Starts(SHEET).evenly(one) for one in there]
+        runs = [Starter(SHEET).evenly(one) for one in there]
         assert runs == [False, True]
 
 
 def test_the_report_says_below_which_speed_the_slide_jerks_and_what_ends_it():
     found = assess(SHEET, samples=64)
-    started = found.starting
+    started = found.from_rest
     assert (found.verdict, started.cause) == ("jerks", "guide")
     assert abs(started.even_speed * found.draw.travel - 1.71e-3) < 5e-6
     assert started.motion.load_speed[0] == 0 < started.motion.screw_speed[0]  # it is the load that stands

@@ -102,7 +102,7 @@ def test_a_diameter_carries_the_inertia_of_a_screw_that_is_given_by_its_length()
 def test_a_stepper_whose_jerks_have_no_period_is_not_said_to_run_steadily():
     found = assessed(STEPPER)
     assert found.verdict == "jerks"
-    assert found.starting.jerky + found.starting.unknown == found.starting.drawn == 64
+    assert found.from_rest.jerky + found.from_rest.unknown == found.from_rest.drawn == 64
 
 
 @pytest.mark.parametrize(
@@ -112,10 +112,10 @@ def test_shares_from_rest_are_those_of_the_drives_drawn(speed, verdict, share):
     """Shares of 2,048 other draws, with three standard deviations of 256; the even speed at the middle is 0.12467."""
     found = assessed(SCATTERED, 256, operation={"speed": f"{speed} rad/s", "direction": "out"})
     assert found.verdict == verdict
-    assert found.starting.share == pytest.approx(share, abs=3 * (share * (1 - share) / 256) ** 0.5)
+    assert found.from_rest.share == pytest.approx(share, abs=3 * (share * (1 - share) / 256) ** 0.5)
     assert "1.19 rpm (39.7 µm/s at the load) on" in brief(found)[0]
     assert "at the middle values. Of 256 drives" in brief(found)[0]
-    assert found.starting.ends
+    assert found.from_rest.ends
 
 
 @pytest.mark.parametrize("text", RISES)

@@ -11,10 +11,10 @@ from lsvib.errors import InputError
 from lsvib.sheets import vibration as motions
 from lsvib.sheets.changes import ANY, Change, advice, margins
 from lsvib.sheets.draw import Draw
-from lsvib.sheets.mechanisms import NAMES
+from lsvib.sheets.from_rest import FromRest, Starter, from_rest
 from lsvib.sheets.operation import Operation
+from lsvib.sheets.reserves import NAMES
 from lsvib.sheets.sheet import Sheet
-from lsvib.sheets.starting import Starting, Starts, starting
 from lsvib.sheets.statics import Statics, statics
 from lsvib.sheets.uncertainty import Uncertainty, WorstCase, ends, study, worst_cases
 from lsvib.sheets.window import OperatingWindow
@@ -22,8 +22,8 @@ from lsvib.sheets.words import TOLERATED
 
 
 @dataclass(frozen=True)
-class Mechanism:
-    """What is said of one mechanism, see :mod:`lsvib.sheets.mechanisms`.
+class Finding:
+    """What is found of one mechanism, see :mod:`lsvib.sheets.reserves`.
 
     ``occurs`` at the middle values somewhere in the window; the lowest ``reserve`` [1], at ``there``; ``probability``
     with ``interval``; ``margins``, nearest first. None is what is not known.
@@ -38,7 +38,7 @@ class Mechanism:
     margins: list[Change]
 
 
-Found = dict[str, Mechanism]
+Findings = dict[str, Finding]
 Cases = dict[str, WorstCase]
 
 
@@ -59,7 +59,7 @@ class Assessment:
     ``draw``: the drive at the middle values; ``verdict``: a key of
     :data:`lsvib.sheets.words.VERDICTS`; ``efficiency`` [1] ``lifting``, ``lowering`` (None if self-locking);
     ``margins``: those of all mechanisms together, nearest first; ``nominal``, ``worst``: the motion at the middle
-    values and in the worst case, each where the reserve is lowest; ``starting``: what it does when it is switched on;
+    values and in the worst case, each where the reserve is lowest; ``from_rest``: what it does when it is switched on;
     ``changes`` of one quantity that end vibration or jerks, those that end all of it first.
     """
 
@@ -68,13 +68,13 @@ class Assessment:
     verdict: str
     efficiency: dict[str, Any]
     self_locking: bool
-    mechanisms: dict[str, Mechanism]
+    mechanisms: dict[str, Finding]
     margins: list[Change]
     uncertainty: Uncertainty
     nominal: AssessedMotion
     worst: AssessedMotion
     statics: Statics
-    starting: Starting
+    from_rest: FromRest
     changes: list[Change]
 
     @property
@@ -105,8 +105,8 @@ def assess(sheet: Sheet, samples: int = 4096, seed: int = 1) -> Assessment:
         sure: dict[str, Any] = {"probability": 1.0, "interval": (1.0, 1.0)} if spread.samples == 1 else {}
         perturbed = replace(found["after_perturbation"], occurs=True, there=nominal.there, **sure)
         found["after_perturbation"] = perturbed  # as the motion shows it, whatever its reserve says
-    starts = Starts(sheet)
-    started = _started(draw, found, cases, spread, nominal, starts)
+    starter = Starter(sheet)
+    started = _started(draw, found, cases, spread, nominal, starter)
     worst_motion = _worst_motion(sheet, found, cases, spread.upset) if cases else nominal
     verdict = _verdict(found, spread, cases, worst_motion, started)
     if verdict == "jerks" and started.motion is not None:
@@ -123,8 +123,8 @@ def assess(sheet: Sheet, samples: int = 4096, seed: int = 1) -> Assessment:
         nominal=nominal,
         worst=worst_motion,
         statics=rows,
-        starting=started,
-        changes=advice(draw, edges[ANY], verdict == "vibrates", starts) if verdict in ("vibrates", "jerks") else [],
+        from_rest=started,
+        changes=advice(draw, edges[ANY], verdict == "vibrates", starter) if verdict in ("vibrates", "jerks") else [],
     )
 
 
@@ -144,7 +144,7 @@ def _require_a_drive(window: OperatingWindow) -> None:
             raise InputError(f"The data sheet makes a drive that is out of range: {error}") from None
 
 
-def _mechanisms(window: OperatingWindow, spread: Uncertainty, edges: dict[str, list[Change]]) -> Found:
+def _mechanisms(window: OperatingWindow, spread: Uncertainty, edges: dict[str, list[Change]]) -> Findings:
     found = {}
     for name, one in window.worst.items():
         there, reserve, often = window.critical(name), float(one.reserve[0]), spread.probability[name]
@@ -152,24 +152,24 @@ def _mechanisms(window: OperatingWindow, spread: Uncertainty, edges: dict[str, l
         if name == "after_perturbation":
             occurs, _, first = window.most_perturbed if window.draw.sheet.stiff else (None, None, None)
             there = first or there
-        found[name] = Mechanism(name, occurs, reserve, there, often.value, often.interval, edges[name])
+        found[name] = Finding(name, occurs, reserve, there, often.value, often.interval, edges[name])
     return found
 
 
 def _started(
-    draw: Draw, found: Found, cases: Cases, spread: Uncertainty, nominal: AssessedMotion, starts: Starts
-) -> Starting:
+    draw: Draw, found: Findings, cases: Cases, spread: Uncertainty, nominal: AssessedMotion, starter: Starter
+) -> FromRest:
     """What becomes of a start from rest, which is followed where nothing else tells."""
     middle = min(one.reserve for one in found.values())
     lowest = min(middle, *(case for case, _ in cases.values()), 1.0)
     unstable = any(one.occurs for name, one in found.items() if name != "after_perturbation")
     if draw.sheet.stiff and not draw.sheet.followed and lowest > 0:  # then slip shrinks every area
-        return Starting(False, nominal.there, 0.0)
+        return FromRest(False, nominal.there, 0.0)
     if not draw.sheet.followed and (unstable or middle == 0):
         # A start from rest tells nothing new: it cannot become steady, as nothing damps it, or worse.
-        return Starting(None, nominal.there, None)
-    shares = (spread.points[:, : starts.draws], ends(draw.sheet, starts.ends)) if draw.sheet.random else ()
-    return starting(draw, starts, *((Draw.of(draw.sheet, one) for one in part.T) for part in shares))
+        return FromRest(None, nominal.there, None)
+    shares = (spread.points[:, : starter.draws], ends(draw.sheet, starter.ends)) if draw.sheet.random else ()
+    return from_rest(draw, starter, *((Draw.of(draw.sheet, one) for one in part.T) for part in shares))
 
 
 def _upset(motion: AssessedMotion) -> bool:
@@ -184,7 +184,7 @@ def _upset(motion: AssessedMotion) -> bool:
     return end != "steady sliding" or (size is not None and math.isfinite(size))
 
 
-def _verdict(found: Found, spread: Uncertainty, cases: Cases, worst_motion: AssessedMotion, started: Starting) -> str:
+def _verdict(found: Findings, spread: Uncertainty, cases: Cases, worst: AssessedMotion, started: FromRest) -> str:
     """The verdict, a key of :data:`lsvib.sheets.words.VERDICTS`."""
     steady = [one for name, one in found.items() if name != "after_perturbation"]
     if any(one.occurs for one in steady):
@@ -197,7 +197,7 @@ def _verdict(found: Found, spread: Uncertainty, cases: Cases, worst_motion: Asse
         return "may jerk"
     if found["after_perturbation"].occurs or (found["after_perturbation"].probability or 0) > 0:
         return "steady until perturbed"
-    if started.ends or any(cases[name][0] < 0 for name in cases if name in NAMES) or _upset(worst_motion):
+    if started.ends or any(cases[name][0] < 0 for name in cases if name in NAMES) or _upset(worst):
         return "steady but for rare values"
     if min(one.reserve for one in steady) == 0 and not started.there.draw.sheet.followed:
         return "steady without reserve"
@@ -206,7 +206,7 @@ def _verdict(found: Found, spread: Uncertainty, cases: Cases, worst_motion: Asse
     return "steady without reserve" if min(one.reserve for one in steady) == 0 else "steady"
 
 
-def _critical(found: Found) -> str:
+def _critical(found: Findings) -> str:
     """The mechanism with the lowest reserve; vibration after a perturbation counts only where nothing else occurs."""
     own = {name: one for name, one in found.items() if name != "after_perturbation"}
     name = min(own, key=lambda key: own[key].reserve)
@@ -233,7 +233,7 @@ def _motion(window: OperatingWindow, name: str) -> AssessedMotion:
     return AssessedMotion(name, there, moved, tolerated)
 
 
-def _worst_motion(sheet: Sheet, found: Found, cases: Cases, upset: NDArray[np.float64] | None) -> AssessedMotion:
+def _worst_motion(sheet: Sheet, found: Findings, cases: Cases, upset: NDArray[np.float64] | None) -> AssessedMotion:
     """The motion at the worst values within the uncertainties, of the mechanism that is most likely or nearest."""
     own = {name: reserve for name, (reserve, _) in cases.items() if name != "after_perturbation"}
     name = min(own, key=lambda key: (-(found[key].probability or 0), own[key]))

@@ -17,9 +17,9 @@ from lsvib.drives.drive import PARTS, STATIC
 from lsvib.sheets.draw import PAIRS, Draw
 from lsvib.sheets.fields import LARGEST_HALF_ANGLE
 from lsvib.sheets.formulas import Values
-from lsvib.sheets.mechanisms import NAMES
+from lsvib.sheets.from_rest import Starter, places, speeds
 from lsvib.sheets.operation import Operation
-from lsvib.sheets.starting import Starts, places, speeds
+from lsvib.sheets.reserves import NAMES
 from lsvib.sheets.vibration import UNDECIDED
 from lsvib.sheets.window import OperatingWindow, worst
 from lsvib.sheets.words import QUANTITIES, Quantity
@@ -161,13 +161,13 @@ def _refined(edges: list[_Edge]) -> list[float]:
     return [float(factor) for factor in after]
 
 
-def advice(draw: Draw, edges: list[Change], vibrates: bool, starts: Starts) -> list[Change]:
+def advice(draw: Draw, edges: list[Change], vibrates: bool, starter: Starter) -> list[Change]:
     """Return the three smallest changes that end what a drive does at its middle values, and dampings that it lacks.
 
     ``edges``: the changes at which steady running becomes stable, for a drive that ``vibrates``; others jerk from rest.
     For a drive that vibrates three that leave jerks follow.
     """
-    asker = _Asker(draw, starts)
+    asker = _Asker(draw, starter)
     near = {row.quantity: row for row in edges if vibrates}
     absent = [Change(name, None, _digits(row.value)) for name, row in near.items() if row.factor is None and row.value]
     found, ended = [replace(one, left=asker.left(applied(draw, one))) for one in absent], set()
@@ -262,8 +262,8 @@ def _digits(size: float, towards: Callable[[float], int] = math.ceil) -> float:
 class _Asker:
     """Asks of changed drives what the verdict asks of the drive but for knocks, first at the point that failed last."""
 
-    def __init__(self, draw: Draw, starts: Starts) -> None:
-        self.draw, self.starts, self.level, self.failed = draw, starts, _level(draw), 0
+    def __init__(self, draw: Draw, starter: Starter) -> None:
+        self.draw, self.starter, self.level, self.failed = draw, starter, _level(draw), 0
 
     def left(self, own: Draw) -> str:
         """What is left of vibration, as of :class:`Change`, or ``vibrates``."""
@@ -274,7 +274,7 @@ class _Asker:
         points = _points(own)
         sure = own.sheet.stiff and not own.sheet.followed and min(reserves.values()) > 0  # then slip shrinks areas
         for k in [] if sure else sorted(range(len(points)), key=lambda k: k != self.failed):
-            if (even := self.starts.evenly(points[k])) is not True:
+            if (even := self.starter.evenly(points[k])) is not True:
                 self.failed = k
                 return "start" if even is False else "unknown"
         return ""

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lsvib.sheets.draw import Draw
+from lsvib.sheets.from_rest import outcomes
 from lsvib.sheets.operation import Operation
-from lsvib.sheets.starting import outcomes
 from lsvib.sheets.window import applicable
 
 KINDS = ("steady", "steady_until_perturbed", "steady_once_started", "steady_when_left_alone", "jerks_from_rest",

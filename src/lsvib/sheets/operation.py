@@ -6,9 +6,10 @@ from typing import Any
 
 from lsvib.drives.drive import PARTS, Drive, zero_if_close
 from lsvib.errors import EngineError, InputError
-from lsvib.sheets import mechanisms, vibration
+from lsvib.sheets import vibration
 from lsvib.sheets.draw import Draw
 from lsvib.sheets.formulas import Values
+from lsvib.sheets.reserves import reserves, without
 from lsvib.words import plain
 
 _RIGID = ("screw_inertia", "coupling_stiffness", "support_damping", "mass", "translation_damping")
@@ -55,8 +56,8 @@ class Operation:
 
     @cached_property
     def reserves(self) -> dict[str, Any]:
-        """The reserve [1] of each mechanism, see :func:`lsvib.sheets.mechanisms.reserves`."""
-        return mechanisms.reserves(self.parameters, self.friction[1], self.draw.sheet.friction.sloped)
+        """The reserve [1] of each mechanism, see :func:`lsvib.sheets.reserves.reserves`."""
+        return reserves(self.parameters, self.friction[1], self.draw.sheet.friction.sloped)
 
     @cached_property
     def drive(self) -> Drive:
@@ -69,7 +70,7 @@ class Operation:
     @cached_property
     def rigid(self) -> Drive:
         """The same with rigid parts, and a motor that turns as it is told."""
-        return self._drive(mechanisms.without(self.parameters, *PARTS))
+        return self._drive(without(self.parameters, *PARTS))
 
     def _drive(self, parameters: Values) -> Drive:
         given = {**parameters, **(self.draw.friction_law if self.draw.sheet.friction.law else {})}

@@ -17,10 +17,10 @@ from lsvib.sheets.assessment import AssessedMotion, Assessment, assess
 from lsvib.sheets.changes import Change
 from lsvib.sheets.chart import KINDS, Chart, charts
 from lsvib.sheets.draw import Draw
+from lsvib.sheets.from_rest import FromRest
 from lsvib.sheets.operation import Operation
 from lsvib.sheets.report import brief, of_curve, of_statics, report, said
 from lsvib.sheets.sheet import Sheet
-from lsvib.sheets.starting import Starting
 from lsvib.sheets.statics import Statics, statics
 from lsvib.sheets.words import ABOUT, QUANTITIES, VERDICTS
 
@@ -113,7 +113,7 @@ def as_json(assessment: Assessment) -> dict[str, Any]:
             "margin": _margins_json(assessment.margins),
         },
         "sobol": assessment.uncertainty.sobol,
-        "from_rest": _starting_json(assessment.starting),
+        "from_rest": _from_rest_json(assessment.from_rest),
         "changes": {
             row.about.name: {"factor": row.factor, "value": row.value, "unit": row.about.unit, "left": row.left or None}
             for row in assessment.changes
@@ -133,7 +133,7 @@ def _statics_json(found: Statics) -> dict[str, Any]:
     return {"back_drives": found.back_drives, **rows}
 
 
-def _starting_json(found: Starting) -> dict[str, Any]:
+def _from_rest_json(found: FromRest) -> dict[str, Any]:
     travel, moved = found.there.draw.travel, found.motion
     even = None if found.even_speed == math.inf else found.even_speed
     return {

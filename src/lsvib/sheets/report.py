@@ -24,8 +24,8 @@ from lsvib.sheets.chart import Chart
 from lsvib.sheets.draw import Draw
 from lsvib.sheets.fields import Spread
 from lsvib.sheets.formulas import FRICTION, sliding_speed
+from lsvib.sheets.from_rest import BEYOND
 from lsvib.sheets.materials import NUT_MATERIALS
-from lsvib.sheets.starting import BEYOND
 from lsvib.sheets.statics import Statics, lets_go
 from lsvib.sheets.threads import ThreadSize
 from lsvib.sheets.words import shown
@@ -57,9 +57,9 @@ def said(name: str, *about: Any) -> str:
 
 def brief(assessment: Assessment) -> list[str]:
     """Return the short answer for the shell, a sentence or two to a line: verdict, statics, limits, three changes."""
-    known = 0 < (assessment.starting.even_speed or 0.0) < math.inf
+    known = 0 < (assessment.from_rest.even_speed or 0.0) < math.inf
     told = assessment.verdict not in ("vibrates", "steady without reserve") or known
-    first = f"{words.VERDICTS[assessment.verdict]} {said('from_rest', assessment.starting) if told else ''}".strip()
+    first = f"{words.VERDICTS[assessment.verdict]} {said('from_rest', assessment.from_rest) if told else ''}".strip()
     changes = [said("changes", assessment)] if assessment.verdict in ("vibrates", "jerks") else []
     curve = said("curve", of_curve(assessment.draw))
     return [line for line in (first, *of_statics(assessment.statics), curve, *changes) if line]

@@ -13,8 +13,8 @@ from lsvib.drives import friction
 from lsvib.sheets import vibration
 from lsvib.sheets.draw import Draw
 from lsvib.sheets.formulas import sliding_speed
-from lsvib.sheets.mechanisms import NAMES
 from lsvib.sheets.operation import Operation
+from lsvib.sheets.reserves import NAMES
 from lsvib.sheets.sheet import Sheet
 
 Array = NDArray[Any]  # of floats
@@ -163,7 +163,7 @@ def worst(draw: Draw, between: bool = True) -> dict[str, Worst]:
     """Return the lowest reserve of each mechanism over the window for one drive or arrays (n) of them.
 
     ``between``: as of :func:`points`. ``after_perturbation`` is among them, see
-    :func:`lsvib.sheets.mechanisms.reserves`. NaN where the friction is so strong that the drive cannot move at all.
+    :func:`lsvib.sheets.reserves.reserves`. NaN where the friction is so strong that the drive cannot move at all.
     """
     count, values = max(np.size(value) for value in draw.values.values()), draw.values
     step = max(AT_ONCE // count_of(draw), 1)

@@ -31,8 +31,8 @@ _CONTACTS = ("threads", "guide", "bearing")  # whose friction at rest STATIC has
 Place = tuple[int, float]  # direction of travel, force [N]
 
 
-class Starts:
-    """Starts of the drives of one sheet from rest; those that come to no end share an allowance of work."""
+class Starter:
+    """Starts drives of one sheet from rest; those that come to no end share an allowance of work."""
 
     def __init__(self, sheet: Sheet) -> None:
         law = sheet.friction.law and sheet.friction.sloped  # over the speed, whose motions take longer
@@ -54,7 +54,7 @@ class Starts:
 
 
 @dataclass(frozen=True)
-class Starting:
+class FromRest:
     """What becomes of a drive that is started from rest.
 
     ``jerks``: whether it goes on vibrating at some speed of the window, at the middle values; None where that is not
@@ -92,7 +92,7 @@ def any_jerks(answers: Iterable[bool | None]) -> bool | None:
     return True if False in found else None if None in found else False
 
 
-def starting(draw: Draw, starts: Starts, draws: Iterable[Draw] = (), ends: Iterable[Draw] = ()) -> Starting:
+def from_rest(draw: Draw, starter: Starter, draws: Iterable[Draw] = (), ends: Iterable[Draw] = ()) -> FromRest:
     """Start a drive at the middle values, random ``draws``, and those at the ``ends`` of their entries.
 
     With parts that comply the corner is that of the drive with rigid ones, and there the whole drive is started.
@@ -104,7 +104,7 @@ def starting(draw: Draw, starts: Starts, draws: Iterable[Draw] = (), ends: Itera
 
     def asked(place: Place, speed: float, own: Draw = draw, stiff: bool = False) -> bool | None:
         """Whether a drive runs evenly."""
-        return starts.evenly(Operation(own, place[0], speed, place[1]), stiff)
+        return starter.evenly(Operation(own, place[0], speed, place[1]), stiff)
 
     often = {at: sum(asked(at, speed, stiff=True) is False for speed in window) for at in all_places}
     found = {at: even_from(partial(asked, at, stiff=True), tried, high) for at in all_places}
@@ -124,11 +124,11 @@ def starting(draw: Draw, starts: Starts, draws: Iterable[Draw] = (), ends: Itera
     corners = any_jerks(asked(at, one.values["speed_low"], one) for one in ends for at in places(one))
     spread: dict[str, Any] = {"drawn": len(own), "jerky": own.count(False), "unknown": own.count(None), "ends": corners}
     if jerks := any_jerks(answers.values()):
-        spread |= {"motion": there.motion(None), "cause": _cause(there, starts)}
-    return Starting(jerks, there, even_speed, **spread)
+        spread |= {"motion": there.motion(None), "cause": _cause(there, starter)}
+    return FromRest(jerks, there, even_speed, **spread)
 
 
-def _cause(there: Operation, starts: Starts) -> str:
+def _cause(there: Operation, starter: Starter) -> str:
     """What a drive that jerks would run evenly without."""
     draw = there.draw
     pairs = zip(_CONTACTS, STATIC, strict=True)
@@ -136,7 +136,7 @@ def _cause(there: Operation, starts: Starts) -> str:
     if draw.sheet.followed:
         without["static"] = {static: 0.0 for one in without.values() for static in one}
         without["law"] = {**without["static"], "stribeck_rise": 0.0, "friction_slope": 0.0}
-    known = {name: starts.evenly(replace(there, draw=draw.changed(**none))) for name, none in without.items()}
+    known = {name: starter.evenly(replace(there, draw=draw.changed(**none))) for name, none in without.items()}
     return next((name for name, even in known.items() if even), "unknown" if None in known.values() else "")
 
 
@@ -170,11 +170,11 @@ def outcomes(draw: Draw, direction: int, turning: NDArray[Any], force: NDArray[A
     answer of the nearest of 9 by 9.
     """
 
-    starts = Starts(draw.sheet)
+    starter = Starter(draw.sheet)
 
     def asked(speed: float, push: float) -> float:
         """The answer at a point."""
-        found = starts.evenly(Operation(draw, direction, speed, push))
+        found = starter.evenly(Operation(draw, direction, speed, push))
         return math.nan if found is None else float(found)
 
     if not draw.sheet.stiff or draw.sheet.dry or draw.sheet.friction.sloped:
