@@ -184,7 +184,7 @@ def test_a_perturbation_starts_vibration_in_fig_8_14b_and_not_in_a(force, verdic
     assert found.verdict == verdict
     if verdict == "steady":
         return
-    corner = found.mechanisms["after_perturbation"].there
+    corner = found.perturbed.there
     size, _ = corner.tolerated
     drive = corner.rigid
     assert steady_state(automaton_of(drive), standing_state(drive)).label == Attractor.SPRAG_SLIP_CYCLE

@@ -56,7 +56,7 @@ def test_a_drive_whose_basin_is_the_whole_plane_is_steady_however_narrow_its_ran
     stiffness = "60 N*m/rad"
     for given in (stiffness, [stiffness, "60.01 N*m/rad"]):
         found = assess(sheet(**HEAVY, coupling={"stiffness": given}), samples=256)
-        assert found.mechanisms["after_perturbation"].reserve < 0
+        assert found.perturbed.reserve < 0
         assert found.verdict == "steady"
         perturbed = as_json(found)["after_perturbation"]
         assert (perturbed["possible"], perturbed["probability"]) == (False, 0)
@@ -75,7 +75,7 @@ def test_how_often_a_perturbation_starts_vibration_is_how_often_the_force_is_bel
     found = assess(given, samples=512)
     edge = -threshold_force(OperatingWindow(found.draw).corners[0].rigid, "global_stability")
     share = (edge - 10) ** 2 / (90 * 39)  # of a triangle, on its rising side
-    chance = found.mechanisms["after_perturbation"]
+    chance = found.perturbed
     assert chance.interval[0] < share < chance.interval[1] < chance.interval[0] + 0.25
     assert chance.probability == pytest.approx(share, abs=0.02)
     assert found.verdict == "may jerk"  # a start from rest is such a perturbation

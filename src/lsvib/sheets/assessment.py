@@ -1,11 +1,9 @@
 """The whole verdict on one data sheet, as values ready for the report, the dataset and JSON."""
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
-
-import numpy as np
-from numpy.typing import NDArray
 
 from lsvib.errors import InputError
 from lsvib.sheets import vibration as motions
@@ -13,12 +11,11 @@ from lsvib.sheets.changes import ANY, Change, advice, margins
 from lsvib.sheets.draw import Draw
 from lsvib.sheets.from_rest import FromRest, Starter, from_rest
 from lsvib.sheets.operation import Operation
-from lsvib.sheets.reserves import NAMES
 from lsvib.sheets.sheet import Sheet
 from lsvib.sheets.statics import Statics, statics
-from lsvib.sheets.uncertainty import Uncertainty, WorstCase, ends, study, worst_cases
+from lsvib.sheets.uncertainty import Uncertainty, ends, study
 from lsvib.sheets.window import OperatingWindow
-from lsvib.sheets.words import TOLERATED
+from lsvib.sheets.words import TOLERATED, VERDICTS
 
 
 @dataclass(frozen=True)
@@ -38,10 +35,6 @@ class Finding:
     margins: list[Change]
 
 
-Findings = dict[str, Finding]
-Cases = dict[str, WorstCase]
-
-
 @dataclass(frozen=True)
 class AssessedMotion:
     """A motion to show: of which mechanism, at which point of operation of which drive, and what came of it."""
@@ -56,32 +49,62 @@ class AssessedMotion:
 class Assessment:
     """A data sheet with all that is said of it.
 
-    ``draw``: the drive at the middle values; ``verdict``: a key of
-    :data:`lsvib.sheets.words.VERDICTS`; ``efficiency`` [1] ``lifting``, ``lowering`` (None if self-locking);
-    ``margins``: those of all mechanisms together, nearest first; ``nominal``, ``worst``: the motion at the middle
-    values and in the worst case, each where the reserve is lowest; ``from_rest``: what it does when it is switched on;
-    ``changes`` of one quantity that end vibration or jerks, those that end all of it first.
+    ``draw``: the drive at the middle values; ``mechanisms``: what was found of each, ``perturbed`` of vibration after a
+    perturbation; ``margins``: those of all mechanisms together, nearest first; ``nominal``, ``worst``: the motion at
+    the middle values and in the worst case, each where the reserve is lowest; ``from_rest``: what it does when it is
+    switched on; ``changes`` of one quantity that end vibration or jerks, those that end all of it first.
     """
 
     draw: Draw
     seed: int
-    verdict: str
-    efficiency: dict[str, Any]
-    self_locking: bool
     mechanisms: dict[str, Finding]
+    perturbed: Finding
     margins: list[Change]
     uncertainty: Uncertainty
     nominal: AssessedMotion
     worst: AssessedMotion
     statics: Statics
     from_rest: FromRest
-    changes: list[Change]
+    changes: list[Change] = field(default_factory=list)
+
+    @cached_property
+    def verdict(self) -> str:
+        """The verdict, a key of :data:`lsvib.sheets.words.VERDICTS`."""
+        started, without_reserve = self.from_rest, min(one.reserve for one in self.mechanisms.values()) == 0
+        if any(one.occurs for one in self.mechanisms.values()):
+            return "vibrates"
+        if started.jerks:
+            return "jerks"
+        if self.uncertainty.any.value > 0:
+            return "may vibrate"
+        if started.jerky:
+            return "may jerk"
+        if self.perturbed.occurs or (self.perturbed.probability or 0) > 0:
+            return "steady until perturbed"
+        cases = [case for name, (case, _) in self.uncertainty.cases.items() if name in self.mechanisms]
+        if started.ends or any(case < 0 for case in cases) or _upset(self.worst):
+            return "steady but for rare values"
+        if without_reserve and not self.draw.sheet.followed:
+            return "steady without reserve"
+        if started.jerks is None or started.unknown or started.ends is None:
+            return "start not known"
+        return "steady without reserve" if without_reserve else "steady"
+
+    @property
+    def sentence(self) -> str:
+        """The verdict in words."""
+        return VERDICTS[self.verdict]
+
+    @cached_property
+    def efficiency(self) -> dict[str, float | None]:
+        """Of the thread [1], ``lifting`` and ``lowering``; None if it is self-locking."""
+        lifting, lowering = map(float, self.draw.efficiencies)
+        return {"lifting": lifting, "lowering": lowering if lowering > 0 else None}
 
     @property
     def names(self) -> list[str]:
-        """The names of the mechanisms proper, those that occur or are nearest first."""
-        own = [name for name in self.mechanisms if name != "after_perturbation"]
-        return sorted(own, key=lambda name: self.mechanisms[name].reserve)
+        """The names of the mechanisms, those that occur or are nearest first."""
+        return sorted(self.mechanisms, key=lambda name: self.mechanisms[name].reserve)
 
     @property
     def nearest(self) -> tuple[str, Change] | None:
@@ -97,35 +120,23 @@ def assess(sheet: Sheet, samples: int = 4096, seed: int = 1) -> Assessment:
     window = OperatingWindow(draw)
     _require_a_drive(window)
     rows, spread, edges = statics(sheet), study(sheet, samples, seed), margins(draw)
-    found = _mechanisms(window, spread, edges)
-    lifting, lowering = map(float, draw.efficiencies)
-    cases = worst_cases(sheet, spread.lowest)
-    nominal = _motion(window, _critical(found))
-    if not any(one.occurs for one in found.values()) and _upset(nominal):
+    mechanisms = {name: _finding(window, name, spread, edges[name]) for name in window.worst}
+    perturbed = mechanisms.pop("after_perturbation")
+    nominal = _motion(window, _critical(mechanisms, perturbed))
+    if not any(one.occurs for one in (*mechanisms.values(), perturbed)) and _upset(nominal):
         sure: dict[str, Any] = {"probability": 1.0, "interval": (1.0, 1.0)} if spread.samples == 1 else {}
-        perturbed = replace(found["after_perturbation"], occurs=True, there=nominal.there, **sure)
-        found["after_perturbation"] = perturbed  # as the motion shows it, whatever its reserve says
+        # As the motion shows it, whatever its reserve says.
+        perturbed = replace(perturbed, occurs=True, there=nominal.there, **sure)
     starter = Starter(sheet)
-    started = _started(draw, found, cases, spread, nominal, starter)
-    worst_motion = _worst_motion(sheet, found, cases, spread.upset) if cases else nominal
-    verdict = _verdict(found, spread, cases, worst_motion, started)
-    if verdict == "jerks" and started.motion is not None:
-        nominal = worst_motion = AssessedMotion("from_rest", started.there, started.motion, (None, ""))
-    return Assessment(
-        draw=draw,
-        seed=seed,
-        verdict=verdict,
-        efficiency={"lifting": lifting, "lowering": lowering if lowering > 0 else None},
-        self_locking=lowering <= 0,
-        mechanisms=found,
-        margins=edges[ANY],
-        uncertainty=spread,
-        nominal=nominal,
-        worst=worst_motion,
-        statics=rows,
-        from_rest=started,
-        changes=advice(draw, edges[ANY], verdict == "vibrates", starter) if verdict in ("vibrates", "jerks") else [],
-    )
+    started = _started(nominal.there, mechanisms, perturbed, spread, starter)
+    worst = _worst_motion(sheet, mechanisms, spread) if spread.cases else nominal
+    found = Assessment(draw, seed, mechanisms, perturbed, edges[ANY], spread, nominal, worst, rows, started)
+    if found.verdict == "jerks" and started.motion is not None:
+        jerks = AssessedMotion("from_rest", started.there, started.motion, (None, ""))
+        found = replace(found, nominal=jerks, worst=jerks)
+    if found.verdict in ("vibrates", "jerks"):
+        found = replace(found, changes=advice(draw, edges[ANY], found.verdict == "vibrates", starter))
+    return found
 
 
 def _require_a_drive(window: OperatingWindow) -> None:
@@ -144,32 +155,29 @@ def _require_a_drive(window: OperatingWindow) -> None:
             raise InputError(f"The data sheet makes a drive that is out of range: {error}") from None
 
 
-def _mechanisms(window: OperatingWindow, spread: Uncertainty, edges: dict[str, list[Change]]) -> Findings:
-    found = {}
-    for name, one in window.worst.items():
-        there, reserve, often = window.critical(name), float(one.reserve[0]), spread.probability[name]
-        occurs: bool | None = reserve < 0
-        if name == "after_perturbation":
-            occurs, _, first = window.most_perturbed if window.draw.sheet.stiff else (None, None, None)
-            there = first or there
-        found[name] = Finding(name, occurs, reserve, there, often.value, often.interval, edges[name])
-    return found
+def _finding(window: OperatingWindow, name: str, spread: Uncertainty, edges: list[Change]) -> Finding:
+    there, reserve, often = window.critical(name), float(window.worst[name].reserve[0]), spread.probability[name]
+    occurs: bool | None = reserve < 0
+    if name == "after_perturbation":
+        occurs, _, first = window.most_perturbed if window.draw.sheet.stiff else (None, None, None)
+        there = first or there
+    return Finding(name, occurs, reserve, there, often.value, often.interval, edges)
 
 
 def _started(
-    draw: Draw, found: Findings, cases: Cases, spread: Uncertainty, nominal: AssessedMotion, starter: Starter
+    there: Operation, mechanisms: dict[str, Finding], perturbed: Finding, spread: Uncertainty, starter: Starter
 ) -> FromRest:
-    """What becomes of a start from rest, which is followed where nothing else tells."""
-    middle = min(one.reserve for one in found.values())
-    lowest = min(middle, *(case for case, _ in cases.values()), 1.0)
-    unstable = any(one.occurs for name, one in found.items() if name != "after_perturbation")
-    if draw.sheet.stiff and not draw.sheet.followed and lowest > 0:  # then slip shrinks every area
-        return FromRest(False, nominal.there, 0.0)
-    if not draw.sheet.followed and (unstable or middle == 0):
+    """What becomes of a start from rest, which is followed where nothing else tells; ``there``: where it is if not."""
+    draw, sheet = there.draw, there.draw.sheet
+    middle = min(one.reserve for one in (*mechanisms.values(), perturbed))
+    lowest = min(middle, *(case for case, _ in spread.cases.values()), 1.0)
+    if sheet.stiff and not sheet.followed and lowest > 0:  # then slip shrinks every area
+        return FromRest(False, there, 0.0)
+    if not sheet.followed and (middle == 0 or any(one.occurs for one in mechanisms.values())):
         # A start from rest tells nothing new: it cannot become steady, as nothing damps it, or worse.
-        return FromRest(None, nominal.there, None)
-    shares = (spread.points[:, : starter.draws], ends(draw.sheet, starter.ends)) if draw.sheet.random else ()
-    return from_rest(draw, starter, *((Draw.of(draw.sheet, one) for one in part.T) for part in shares))
+        return FromRest(None, there, None)
+    shares = (spread.points[:, : starter.draws], ends(sheet, starter.ends)) if sheet.random else ()
+    return from_rest(draw, starter, *((Draw.of(sheet, one) for one in part.T) for part in shares))
 
 
 def _upset(motion: AssessedMotion) -> bool:
@@ -184,35 +192,11 @@ def _upset(motion: AssessedMotion) -> bool:
     return end != "steady sliding" or (size is not None and math.isfinite(size))
 
 
-def _verdict(found: Findings, spread: Uncertainty, cases: Cases, worst: AssessedMotion, started: FromRest) -> str:
-    """The verdict, a key of :data:`lsvib.sheets.words.VERDICTS`."""
-    steady = [one for name, one in found.items() if name != "after_perturbation"]
-    if any(one.occurs for one in steady):
-        return "vibrates"
-    if started.jerks:
-        return "jerks"
-    if spread.any.value > 0:
-        return "may vibrate"
-    if started.jerky:
-        return "may jerk"
-    if found["after_perturbation"].occurs or (found["after_perturbation"].probability or 0) > 0:
-        return "steady until perturbed"
-    if started.ends or any(cases[name][0] < 0 for name in cases if name in NAMES) or _upset(worst):
-        return "steady but for rare values"
-    if min(one.reserve for one in steady) == 0 and not started.there.draw.sheet.followed:
-        return "steady without reserve"
-    if started.jerks is None or started.unknown or started.ends is None:
-        return "start not known"
-    return "steady without reserve" if min(one.reserve for one in steady) == 0 else "steady"
-
-
-def _critical(found: Findings) -> str:
+def _critical(mechanisms: dict[str, Finding], perturbed: Finding) -> str:
     """The mechanism with the lowest reserve; vibration after a perturbation counts only where nothing else occurs."""
-    own = {name: one for name, one in found.items() if name != "after_perturbation"}
-    name = min(own, key=lambda key: own[key].reserve)
-    perturbed = found["after_perturbation"]
+    lowest = min(mechanisms.values(), key=lambda one: one.reserve)
     possible = perturbed.occurs or (perturbed.occurs is None and perturbed.reserve < 0)
-    return "after_perturbation" if own[name].reserve > 0 and possible else name
+    return perturbed.name if lowest.reserve > 0 and possible else lowest.name
 
 
 def _motion(window: OperatingWindow, name: str) -> AssessedMotion:
@@ -233,11 +217,11 @@ def _motion(window: OperatingWindow, name: str) -> AssessedMotion:
     return AssessedMotion(name, there, moved, tolerated)
 
 
-def _worst_motion(sheet: Sheet, found: Findings, cases: Cases, upset: NDArray[np.float64] | None) -> AssessedMotion:
+def _worst_motion(sheet: Sheet, mechanisms: dict[str, Finding], spread: Uncertainty) -> AssessedMotion:
     """The motion at the worst values within the uncertainties, of the mechanism that is most likely or nearest."""
-    own = {name: reserve for name, (reserve, _) in cases.items() if name != "after_perturbation"}
-    name = min(own, key=lambda key: (-(found[key].probability or 0), own[key]))
-    if own[name] > 0 > cases["after_perturbation"][0]:
+    cases = spread.cases
+    name = min(mechanisms, key=lambda key: (-(mechanisms[key].probability or 0), cases[key][0]))
+    if cases[name][0] > 0 > cases["after_perturbation"][0]:
         name = "after_perturbation"
-    shares = cases[name][1] if name != "after_perturbation" or upset is None else upset
+    shares = cases[name][1] if name != "after_perturbation" or spread.upset is None else spread.upset
     return _motion(OperatingWindow(Draw.of(sheet, shares)), name)

@@ -22,7 +22,7 @@ from lsvib.sheets.operation import Operation
 from lsvib.sheets.report import brief, of_curve, of_statics, report, said
 from lsvib.sheets.sheet import Sheet
 from lsvib.sheets.statics import Statics, statics
-from lsvib.sheets.words import ABOUT, QUANTITIES, VERDICTS
+from lsvib.sheets.words import ABOUT, QUANTITIES
 
 _OF_MOTIONS = ("parts", "attractor", "vibrates", "frequency", "audible", "amplitude", "load_speed", "screw_speed",
                "peak_contact_force", "peak_impulse", "reason", "scene")  # fmt: skip
@@ -76,15 +76,15 @@ def _of_statics(sheet: Sheet) -> dict[str, Any]:
 
 def as_json(assessment: Assessment) -> dict[str, Any]:
     """Return the verdict as plain values for JSON: SI units, None for what does not exist or is infinite."""
-    perturbed = assessment.mechanisms["after_perturbation"]
+    perturbed = assessment.perturbed
     return {
         "name": assessment.draw.sheet.name,
         "verdict": assessment.verdict,
-        "sentence": VERDICTS[assessment.verdict],
+        "sentence": assessment.sentence,
         "brief": brief(assessment),
         "statics": _statics_json(assessment.statics),
         "friction_curve": of_curve(assessment.draw),
-        "self_locking": assessment.self_locking,
+        "self_locking": assessment.efficiency["lowering"] is None,
         "self_locking_probability": assessment.uncertainty.holds.value,
         "efficiency": {**assessment.efficiency, "lifting_range": list(assessment.uncertainty.lifting)},
         "mechanisms": {
@@ -94,7 +94,6 @@ def as_json(assessment: Assessment) -> dict[str, Any]:
                 "margin": _margins_json(one.margins),
             }
             for name, one in assessment.mechanisms.items()
-            if name != "after_perturbation"
         },
         "after_perturbation": {
             "possible": bool(perturbed.probability) or perturbed.occurs,
@@ -196,7 +195,7 @@ def dataset(assessment: Assessment, charts: list[Chart]) -> xr.Dataset:
             "source": "lsvib assess",
             "references": "Vahid-Araghi and Golnaraghi, Friction-Induced Vibration in Lead Screw Drives, Springer "
             "2011, chapter 8",
-            "verdict": f"{assessment.verdict}. {VERDICTS[assessment.verdict]}",
+            "verdict": f"{assessment.verdict}. {assessment.sentence}",
             "samples": assessment.uncertainty.samples,
             "seed": assessment.seed,
             "worst_case_scene": json.dumps(assessment.worst.vibration.scene),

@@ -59,7 +59,7 @@ def brief(assessment: Assessment) -> list[str]:
     """Return the short answer for the shell, a sentence or two to a line: verdict, statics, limits, three changes."""
     known = 0 < (assessment.from_rest.even_speed or 0.0) < math.inf
     told = assessment.verdict not in ("vibrates", "steady without reserve") or known
-    first = f"{words.VERDICTS[assessment.verdict]} {said('from_rest', assessment.from_rest) if told else ''}".strip()
+    first = f"{assessment.sentence} {said('from_rest', assessment.from_rest) if told else ''}".strip()
     changes = [said("changes", assessment)] if assessment.verdict in ("vibrates", "jerks") else []
     curve = said("curve", of_curve(assessment.draw))
     return [line for line in (first, *of_statics(assessment.statics), curve, *changes) if line]

@@ -3,7 +3,6 @@
 The samples are points of one scrambled Sobol sequence.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -38,8 +37,8 @@ class Uncertainty:
     """What the samples say: their number, ``points`` (d, n) of the unit cube, ``probability`` by mechanism, ``any``.
 
     ``sobol``: total Sobol indices [1] by mechanism and entry, absent where a reserve does not vary.
-    ``lowest``: the shares (d) of the sample with the lowest reserve of each mechanism, ``upset`` of the one that
-    tolerates the smallest perturbation, None if all that were asked tolerate any. ``holds``: how often the thread
+    ``cases``: the worst case of each mechanism, none if nothing is uncertain; ``upset``: the shares (d) of the sample
+    that tolerates the smallest perturbation, None if all that were asked tolerate any. ``holds``: how often the thread
     is self-locking, and ``lifting`` the lowest and highest lifting efficiency [1] of the samples.
     """
 
@@ -48,7 +47,7 @@ class Uncertainty:
     probability: dict[str, Probability]
     any: Probability
     sobol: dict[str, dict[str, float]]
-    lowest: dict[str, Array]
+    cases: dict[str, WorstCase]
     upset: Array | None
     holds: Probability
     lifting: tuple[float, float]
@@ -91,7 +90,7 @@ def study(sheet: Sheet, samples: int, seed: int) -> Uncertainty:
         probability=chances,
         any=_probability(unstable),
         sobol=_indices(sheet, entries, varied, min(samples, MOST), seed) if varied else {},
-        lowest={name: points[:, np.argmin(reserve)] for name, reserve in found.items()},
+        cases=_worst_cases(sheet, [points[:, np.argmin(reserve)] for reserve in found.values()]) if entries else {},
         upset=upset,
         holds=_probability(lowering <= 0),
         lifting=(float(lifting.min()), float(lifting.max())),
@@ -163,16 +162,14 @@ def ends(sheet: Sheet, most: int = MOST) -> Array:
     return np.asarray(np.round(qmc.Sobol(size, scramble=True, rng=size).random(most).T))
 
 
-def worst_cases(sheet: Sheet, lowest: Mapping[str, Array]) -> dict[str, WorstCase]:
-    """Return the worst case of each mechanism within the uncertainties; none if nothing is uncertain.
+def _worst_cases(sheet: Sheet, lowest: list[Array]) -> dict[str, WorstCase]:
+    """The worst case of each mechanism within the uncertainties.
 
     It is the ``lowest`` sample or a lower corner of the unit cube: a mechanism may need several entries at their ends
     at once. Corners at which the drive cannot move at all are left out. A search from there on found a lower reserve
     for one in 100 worst cases of drives such as catalogues offer, and another sign for none.
     """
-    if not sheet.random:
-        return {}
-    shares = np.concatenate([np.stack(list(lowest.values()), axis=1), ends(sheet)], axis=1)
+    shares = np.concatenate([np.stack(lowest, axis=1), ends(sheet)], axis=1)
     found = {}
     for name, one in worst(Draw.of(sheet, shares)).items():
         reserve = np.broadcast_to(one.reserve, shares.shape[1:])
