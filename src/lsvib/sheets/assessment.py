@@ -213,7 +213,7 @@ def _motion(window: OperatingWindow, name: str) -> AssessedMotion:
         moved = there.motion(strong, stiff=True)
     tolerated = (None, "") if sheet.support is not None else there.tolerated
     if sheet.support is None and not sheet.closed and (sheet.parts or tolerated[0] is None):
-        tolerated = motions.tolerated_by_trial(there.drive, tolerated[0], sheet.parts)
+        tolerated = motions.tolerated_by_trial(there.drive, tolerated[0])
     return AssessedMotion(name, there, moved, tolerated)
 
 

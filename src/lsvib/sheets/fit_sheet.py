@@ -233,8 +233,8 @@ class FittedSheet:
 def fit_sheet(path: Path) -> FittedSheet:
     """Read the sheet and its tables, and fit the friction law; raises ``InputError`` in one sentence."""
     sheet = MeasuredSheet.of(read_yaml(path))
-    draw = {key: entry.nominal for key, entry in sheet.spreads().items()}
-    lead, diameter, half_angle = thread_geometry(sheet, draw)
+    entries = {key: entry.nominal for key, entry in sheet.spreads().items()}
+    lead, diameter, half_angle = thread_geometry(sheet, entries)
     angle = math.atan(lead / (math.pi * diameter))
     tables = list(_tables(sheet, path.parent, lead))
     pairs = sorted(
@@ -255,18 +255,18 @@ def fit_sheet(path: Path) -> FittedSheet:
     ]
     torn, loose = breaking((1 if table.speed > 0 else -1, table.load, record) for table, record in jerks or starts)
     speed, torque, load = np.array([(point.speed, point.torque, load) for point, load in moving]).reshape(-1, 3).T
-    nut = draw.get("nut.preload", 0.0), draw.get("nut.load_share", 1.0)
+    nut = entries.get("nut.preload", 0.0), entries.get("nut.load_share", 1.0)
     measured = Measured(
         speed, torque, load, 0.5 * diameter, angle, np.array([*held, *torn]).reshape(-1, 3), *nut, loose
     )
-    fit = fitted(measured, _known(sheet, draw, angle, half_angle))
+    fit = fitted(measured, _known(sheet, entries, angle, half_angle))
     even = [((table.points[0].speed, table.load, table.mass), table.blur) for table in tables
             if table.points and table.record and table.record.kind == "even"]  # fmt: skip
     records = {(table.speed, table.load, table.mass): record for table, record in jerks}
     tables = [_started(table, measured, fit.main) for table in tables]
     turning = [table.record.inertia for table in tables if table.record and table.record.inertia]
     inertia = combined(turning) if turning else None
-    given = draw.get("screw.inertia", inertia[0] if inertia else None)
+    given = entries.get("screw.inertia", inertia[0] if inertia else None)
     told = {name: explained(measured, end, records, even, given) for name, end in fit.ends.items()}
     known = {name: one for name, one in told.items() if one is not None}
     said = [text for table in tables for text in table.said]
@@ -296,15 +296,15 @@ def _started(table: Table, measured: Measured, solution: Solution) -> Table:
     return replace(table, record=table.look(load=moved))
 
 
-def _known(sheet: MeasuredSheet, draw: Mapping[str, float], angle: float, half_angle: float) -> dict[str, float]:
+def _known(sheet: MeasuredSheet, entries: Mapping[str, float], angle: float, half_angle: float) -> dict[str, float]:
     """What the sheet gives of friction and drag, by names of the fit, friction of the square thread."""
     found = {
-        name: float(square_coefficient(draw[f"friction.{entry}"], angle, half_angle))
+        name: float(square_coefficient(entries[f"friction.{entry}"], angle, half_angle))
         for entry, name in OF_FLANKS.items()
-        if f"friction.{entry}" in draw
+        if f"friction.{entry}" in entries
     }
     paths = {"stribeck_speed": "friction.stribeck_speed", "coulomb": "bearing.coulomb", "viscous": "bearing.viscous"}
-    found |= {name: draw[path] for name, path in {**paths, "offset": "offset"}.items() if path in draw}
+    found |= {name: entries[path] for name, path in {**paths, "offset": "offset"}.items() if path in entries}
     if sheet.friction.stribeck_exponent is not None:
         found["stribeck_exponent"] = float(sheet.friction.stribeck_exponent)
     return found

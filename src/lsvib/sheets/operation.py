@@ -4,16 +4,14 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from lsvib.drives.drive import PARTS, Drive, zero_if_close
+from lsvib.drives.drive import DRY, PARTS, Drive, zero_if_close
 from lsvib.errors import EngineError, InputError
 from lsvib.sheets import vibration
 from lsvib.sheets.draw import Draw
 from lsvib.sheets.formulas import Values
 from lsvib.sheets.reserves import reserves, without
-from lsvib.words import plain
 
 _RIGID = ("screw_inertia", "coupling_stiffness", "support_damping", "mass", "translation_damping")
-_DRY = ("bearing_friction", "bearing_static_friction", "slide_friction", "slide_static_friction", "collar_friction")
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +40,7 @@ class Operation:
     def parameters(self) -> dict[str, Any]:
         """The parameters of the drive with all of its parts; friction is that at the speed."""
         draw, values = self.draw, self.draw.values
-        names = (*_RIGID, *_DRY, *(key for part in draw.sheet.parts for key in PARTS[part]), "coupling_damping")
+        names = (*_RIGID, *DRY, *(key for part in draw.sheet.parts for key in PARTS[part]), "coupling_damping")
         found = {key: values[key] for key in names if key in values}
         if "collar_friction" in values:
             found["collar_radius"] = 0.5 * values["collar_diameter"]
@@ -82,20 +80,16 @@ class Operation:
         ``stiff``: that of the rigid drive. Friction is that at the running speed, to which a slope adds nothing,
         unless the sheet has a law of friction.
         """
-        parts = () if stiff else self.draw.sheet.parts
         try:
-            drive = self.rigid if stiff else self.drive
-            return vibration.vibration(drive, perturbation, parts, self.draw.sheet.friction.law)
+            return vibration.vibration(self.rigid if stiff else self.drive, perturbation)
         except (InputError, EngineError) as error:
-            return vibration.Vibration(parts, "unknown", reason=str(error))
+            return vibration.Vibration(() if stiff else self.draw.sheet.parts, "unknown", reason=str(error))
 
     @cached_property
     def after_knock(self) -> str:
         """What a motion after a strong perturbation ends in, by a key of :data:`lsvib.sheets.words.ATTRACTORS`."""
-        parts = self.draw.sheet.parts
         try:
-            drive = self.drive if parts else self.rigid
-            return plain(vibration.ended(drive, -vibration.STRONG, vibration.work_of_many(parts))[-1].label)
+            return vibration.after_knock(self.drive)
         except (InputError, EngineError):
             return "unknown"
 

@@ -25,7 +25,6 @@ UNDECIDED = ("neutral family", "unresolved", "unknown")  # ends of motions that 
 _WITHOUT_CYCLE = (Attractor.NEUTRAL_FAMILY, Attractor.UNRESOLVED)
 NUDGE = 1e-3  # of the speed: how far from steady sliding a motion starts that shows whether it is stable
 STRONG = 5.0  # times the speed: a perturbation that counts as strong, and the largest that has to be tried
-Parts = tuple[str, ...]  # of a drive, which comply
 Tolerated = tuple[float | None, str]  # a sudden change of the screw's speed [rad/s], None if not known; a sentence
 _SAMPLES = 1200  # even ones of the motion shown: 200 a period
 # Work after which a motion counts as unresolved, a second or two: events with two states, units of one with more. Of
@@ -46,7 +45,7 @@ class Vibration:
     the motion. ``reason``: why nothing is known, if so.
     """
 
-    parts: Parts
+    parts: tuple[str, ...]
     attractor: str
     frequency: float | None = None
     amplitude: float | None = None
@@ -70,15 +69,15 @@ class Vibration:
         return self.frequency is not None and 20.0 <= self.frequency <= 20e3
 
 
-def vibration(drive: Drive, perturbation: float | None, parts: Parts, law: bool) -> Vibration:
+def vibration(drive: Drive, perturbation: float | None) -> Vibration:
     """Follow the motion of a drive from near steady sliding, u = 0, w = ``perturbation`` Ω, or from rest, to its end.
 
-    ``perturbation``: None for a start from rest; ``parts``: what complies; ``law``: whether friction follows one.
-    Raises ``InputError`` or ``EngineError`` where it is not known what the motion ends in.
+    ``perturbation``: None for a start from rest. Raises ``InputError`` or ``EngineError`` where it is not known what
+    the motion ends in.
     """
-    most = _WORK_OF_PARTS if parts else _WORK_OF_RIGID
-    work = (_WORK_OF_LAW if law else most) // max(1, len(parts) ** 2)
-    definition, automaton, start, end = ended(drive, perturbation, work)
+    parts, law = drive.parts, friction.depends_on_speed(drive) or drive.static_friction_coefficient
+    most = _WORK_OF_LAW if law else _WORK_OF_PARTS if parts else _WORK_OF_RIGID
+    definition, automaton, start, end = _ended(drive, perturbation, most // max(1, len(parts) ** 2))
     words = plain(end.label)
     try:
         start, span, times, states = _shown(drive, definition, automaton, start, end)
@@ -95,21 +94,22 @@ def vibration(drive: Drive, perturbation: float | None, parts: Parts, law: bool)
     )
 
 
-def ended(
+def after_knock(drive: Drive) -> str:
+    """Return what a motion of a drive after a strong perturbation ends in, in words."""
+    work = _WORK_OF_MANY // len(drive.parts) ** 2 if drive.parts else _WORK_OF_RIGID
+    return plain(_ended(drive, -STRONG, work)[-1].label)
+
+
+def _ended(
     drive: Drive, perturbation: float | None, most_work: int
 ) -> tuple[Model, Automaton, dict[str, float], SteadyState]:
-    """Return model and automaton of a drive, the start of a motion, at rest without a perturbation, and its end."""
+    """Model and automaton of a drive, the start of a motion, at rest without a perturbation, and its end."""
     definition = model_of(drive)
     start = definition.from_rest(drive)
     if perturbation is not None:
         start = {"u": 0.0, "w": perturbation * drive.input_speed}
     automaton, state = automaton_of(drive), definition.initial_state(drive, start)
     return definition, automaton, start, steady_state(automaton, state, max_events=most_work)
-
-
-def work_of_many(parts: Parts) -> int:
-    """Return the work that one of many motions may take, of which only the end is asked."""
-    return min(_WORK_OF_MANY // max(1, len(parts) ** 2), _WORK_OF_PARTS if parts else _WORK_OF_RIGID)
 
 
 def _shown(
@@ -198,13 +198,12 @@ def tolerated(drive: Drive) -> Tolerated:
     return found, TOLERATED["some" if found else "none"]
 
 
-def tolerated_by_trial(drive: Drive, stiff: float | None, parts: Parts = ("threads",)) -> Tolerated:
-    """Return the same of compliant threads, by motions after perturbations of either sign, without proof.
+def tolerated_by_trial(drive: Drive, stiff: float | None) -> Tolerated:
+    """Return the same of any drive, by motions after perturbations of either sign, without proof.
 
-    ``stiff``: what the drive with stiff threads tolerates [rad/s], around which others are tried; ``parts``: none
-    for a rigid drive with a law of friction.
+    ``stiff``: what the drive with stiff threads tolerates [rad/s], around which others are tried.
     """
-    threads = TOLERATED["threads"] if "threads" in parts else ""
+    threads = TOLERATED["threads"] if "threads" in drive.parts else ""
     definition = model_of(drive)
 
     def ends(speed: float) -> str:
@@ -214,7 +213,7 @@ def tolerated_by_trial(drive: Drive, stiff: float | None, parts: Parts = ("threa
     known = stiff if stiff is not None and 0 < stiff < math.inf else None
     scale = known or abs(drive.input_speed)
     tried = TOLERATED["tried_threads" if threads else "tried"]
-    if known is not None and parts == ("threads",):  # which are all that the other drive does not have
+    if known is not None and drive.parts == ("threads",):  # which are all that the other drive does not have
         tried = f"{tried} {TOLERATED['beside'].format(size=shown(stiff, 'rad/s'))}"
     low = 0.0
     try:
