@@ -153,8 +153,7 @@ def spiky():
 @pytest.mark.parametrize("speed", [1e-3, 30e-3])
 def test_a_motion_that_is_shown_is_resolved(spiky, speed):
     """Six cycles, at 1 mm/s with slips of a 50th of one; the last are those of the table, at 30 mm/s from late on."""
-    corner = -1, speed * 2 * math.pi / 2e-3, 0.0
-    shown = Operation(spiky.draw, *corner).motion(-STRONG)
+    shown = Operation(spiky.draw, -1, speed * 2 * math.pi / 2e-3, 0.0).motion(-STRONG)
     assert shown.time[-1] * shown.frequency == pytest.approx(6)
     late = shown.time > 0.5 * shown.time[-1]
     assert 0.5 * np.ptp(shown.deviation[late]) == pytest.approx(shown.amplitude, rel=0.05)

@@ -111,16 +111,14 @@ JERKING = {
 def test_the_first_line_says_that_it_jerks_up_to_which_speed_and_how_often():
     found = assess(Sheet.of(JERKING), samples=64)
     started = found.from_rest
-    assert found.verdict == "jerks"
-    assert started.cause == "threads"
+    assert (found.verdict, started.cause) == ("jerks", "threads")
     assert started.there.corner == (1, pytest.approx(2 * np.pi / 30), 0.9414)
     drive = Drive.of(started.there.rigid)
     assert started.even_speed == pytest.approx(drive.threshold("even_speed").value, rel=1e-3)
     cycle = drive.steady_state("rest")
     assert started.motion.frequency == pytest.approx(1 / cycle.period, rel=1e-9)
     assert started.motion is found.nominal.vibration
-    first = brief(found)[0]
-    assert "it jerks 2.04 times a second by 30.2 µm; from 8.8 rpm" in first
+    assert "it jerks 2.04 times a second by 30.2 µm; from 8.8 rpm" in brief(found)[0]
     assert "Each of these changes alone ends the jerks" in brief(found)[-1]
 
 
@@ -133,8 +131,7 @@ def test_the_other_direction_is_that_of_the_record():
 
 def test_above_the_even_speed_it_is_steady():
     found = assess(Sheet.of({**JERKING, "operation": {"speed": "9.5 rpm", "direction": "both"}}), samples=64)
-    assert found.verdict == "steady"
-    assert found.from_rest.jerks is False
+    assert (found.verdict, found.from_rest.jerks) == ("steady", False)
     assert "Started from rest it runs evenly from 8.79 rpm" in brief(found)[0]
 
 
