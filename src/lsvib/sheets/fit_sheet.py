@@ -129,14 +129,14 @@ class KnownFriction(Part):
     stribeck_exponent: Literal[1, 2] | None = None
 
 
-class Nut(Part):
+class KnownNut(Part):
     """A nut of two halves that are pressed apart, as in a data sheet."""
 
     preload: fields.Rubbing
     load_share: fields.Share | None = None
 
 
-class Bearing(Part):
+class KnownBearing(Part):
     """What is known of the drag of bearing and slide, as torques of the screw; the rest is fitted."""
 
     coulomb: fields.Drag | None = None
@@ -151,8 +151,8 @@ class MeasuredSheet(Part):
     load: Load | None = None
     measurements: list[Measurements] = Field(min_length=1, max_length=100)
     friction: KnownFriction = KnownFriction()
-    bearing: Bearing = Bearing()
-    nut: Nut | None = None
+    bearing: KnownBearing = KnownBearing()
+    nut: KnownNut | None = None
     screw: Turning | None = None
     offset: fields.Torque | None = None
 
