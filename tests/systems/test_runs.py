@@ -246,19 +246,24 @@ def results(program, **environment):
     return json.loads(run.stdout), run.stderr
 
 
+@pytest.fixture(scope="module")
+def promised():
+    return results(PROGRAM + CYCLE)[0]
+
+
 @pytest.mark.slow
-def test_same_motion_by_a_numba_that_lacks_what_it_does_not_promise(tmp_path):
+def test_same_motion_by_a_numba_that_lacks_what_it_does_not_promise(tmp_path, promised):
     found, said = results(MOVED + PROGRAM, NUMBA_CACHE_DIR=str(tmp_path))
-    assert found == results(PROGRAM)[0]
+    assert found == promised[:-1]
     for what in ("option _nrt and no_cfunc_wrapper", "address of what it has compiled"):
         assert f"has no {what}, so the first start takes longer" in said
 
 
 @pytest.mark.slow
-def test_same_motion_without_compilation():
-    (compiled, _), (plain, said) = (results(PROGRAM + CYCLE, **own) for own in ({}, {"NUMBA_DISABLE_JIT": "1"}))
+def test_same_motion_without_compilation(promised):
+    plain, said = results(PROGRAM + CYCLE, NUMBA_DISABLE_JIT="1")
     assert not said
-    for (times, kinds, states, modes), expected in zip(plain, compiled, strict=True):
+    for (times, kinds, states, modes), expected in zip(plain, promised, strict=True):
         assert kinds == expected[1]
         assert modes == expected[3]
         # The multiplier is a difference quotient of step 1e-5: rounding over the step.
