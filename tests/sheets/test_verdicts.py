@@ -120,7 +120,9 @@ def test_shares_from_rest_are_those_of_the_drives_drawn(speed, verdict, share):
 
 @pytest.mark.parametrize("text", RISES)
 def test_a_basin_under_a_rise_of_friction_is_no_endless_way(text):
-    assessed(text)  # with its kernels compiled
-    begin = time.process_time()
-    assert assessed(text).verdict in ("vibrates", "steady")
-    assert time.process_time() - begin < 18  # 6 s on a quiet machine, of which a busy one takes up to three times
+    for _ in range(2):  # if it took too long the second answer is timed, with its kernels compiled
+        begin = time.process_time()
+        assert assessed(text).verdict in ("vibrates", "steady")
+        if (spent := time.process_time() - begin) < 18:  # 6 s on a quiet machine; a busy one takes up to three times
+            break
+    assert spent < 18
