@@ -13,6 +13,7 @@ import subprocess
 import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -238,6 +239,7 @@ results.append([[cycle.period, cycle.amplitude, float(cycle.multiplier)], [int(c
 """
 
 
+@cache
 def results(program, **environment):
     """The results of a program, in a process of its own, and what it says."""
     command = [sys.executable, "-c", f"{program}\nprint(json.dumps(results))"]
@@ -246,24 +248,19 @@ def results(program, **environment):
     return json.loads(run.stdout), run.stderr
 
 
-@pytest.fixture(scope="module")
-def promised():
-    return results(PROGRAM + CYCLE)[0]
-
-
 @pytest.mark.slow
-def test_same_motion_by_a_numba_that_lacks_what_it_does_not_promise(tmp_path, promised):
+def test_same_motion_by_a_numba_that_lacks_what_it_does_not_promise(tmp_path):
     found, said = results(MOVED + PROGRAM, NUMBA_CACHE_DIR=str(tmp_path))
-    assert found == promised[:-1]
+    assert found == results(PROGRAM + CYCLE)[0][:-1]
     for what in ("option _nrt and no_cfunc_wrapper", "address of what it has compiled"):
         assert f"has no {what}, so the first start takes longer" in said
 
 
 @pytest.mark.slow
-def test_same_motion_without_compilation(promised):
-    plain, said = results(PROGRAM + CYCLE, NUMBA_DISABLE_JIT="1")
+def test_same_motion_without_compilation():
+    (compiled, _), (plain, said) = (results(PROGRAM + CYCLE, **own) for own in ({}, {"NUMBA_DISABLE_JIT": "1"}))
     assert not said
-    for (times, kinds, states, modes), expected in zip(plain, promised, strict=True):
+    for (times, kinds, states, modes), expected in zip(plain, compiled, strict=True):
         assert kinds == expected[1]
         assert modes == expected[3]
         # The multiplier is a difference quotient of step 1e-5: rounding over the step.

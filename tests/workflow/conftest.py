@@ -35,14 +35,9 @@ class Project:
         return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=both, start_new_session=True, **where)
 
     def plan(self, *arguments: str) -> set[str]:
-        """Return what a run would do now."""
+        """Return what a run would do now: messages of its jobs, without the verdict, which every run has."""
         run = self("-n", *arguments)
         assert run.returncode == 0, run.stdout
-        return self.jobs(run)
-
-    @staticmethod
-    def jobs(run: subprocess.CompletedProcess) -> set[str]:
-        """Return the messages of the jobs of a run, without the verdict, which every run has."""
         lines = (line.split(":", 1) for line in run.stdout.splitlines() if line.startswith("Job "))
         return {message.strip() for job, message in lines if job[4:].isdigit()} - {"Judging the checks"}
 

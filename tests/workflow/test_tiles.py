@@ -20,8 +20,7 @@ THREE = ("--set-scatter", "attraction=3")
 def test_a_map_in_tiles_is_the_map(tmp_path):
     """With three tiles the jobs are three, and the labels and times those of one tile; a changed drive maps anew.
 
-    60 x 40 cells, in a project that shares its sources with this checkout, so that the kernels that the other tests
-    compiled serve here too.
+    60 x 40 cells, in a project that shares the sources of this checkout, and with them its compiled kernels.
     """
     project = copy_of_sources(tmp_path / "project")
     shutil.rmtree(project.folder / "src")
