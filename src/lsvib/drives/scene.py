@@ -131,5 +131,7 @@ class _Loader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # type: ignore[mi
         return super().construct_mapping(node, deep)  # type: ignore[no-any-return]
 
 
-for _tag, _kind in (("int", int), ("float", float)):
-    _Loader.add_constructor(f"tag:yaml.org,2002:{_tag}", lambda loader, node, kind=_kind: kind(node.value))
+for _tag, _kind in (("int", int), ("float", float)):  # 3:1 is a ratio, and not 181
+    _Loader.add_constructor(
+        f"tag:yaml.org,2002:{_tag}", lambda _, node, kind=_kind: node.value if ":" in node.value else kind(node.value)
+    )

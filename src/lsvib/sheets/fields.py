@@ -9,7 +9,6 @@ import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from decimal import Decimal
-from fractions import Fraction
 from functools import cache, partial
 from itertools import pairwise
 from typing import Annotated, Any, Self
@@ -23,6 +22,7 @@ from scipy.special import ndtr, ndtri  # type: ignore[import-untyped]
 from lsvib.drives.complaints import bounds_of
 from lsvib.drives.drive import Drive
 from lsvib.numbers import shown
+from lsvib.sheets.units import plain, readings, split
 
 _KINDS = {  # of quantities, by the unit in which the package counts them, each with an example
     "s": ("a time", "10 ms"),
@@ -45,14 +45,11 @@ _KINDS = {  # of quantities, by the unit in which the package counts them, each 
     "s/m": ("a slope of the friction coefficient over the sliding speed", "-0.02 s/m"),
     "": ("a plain number or a percentage", "0.15"),
 }
-_TEXT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([^\d\s(+\-][^+]*)?\s*", re.ASCII)
-_FRACTION = re.compile(r"\s*(\d{1,3})/([1-9]\d{0,2})\s+(?=[A-Za-z])", re.ASCII)  # 1/2 inch
-_PER_INCH = re.compile(r"\s*([1-9]\d{0,2}(?:\.\d+)?)\s*(?:tpi|TPI)\s*", re.ASCII)  # threads per inch: a pitch
-_UNIT = re.compile(r"[A-Za-z_µμ°²³%*/^·() 0-9.\-]{1,40}")  # the longest sensible one has a dozen characters
-_SEVERAL = {"ton": "t, short_ton or long_ton", "gr": "g or grain"}  # which pint takes for 907 kg and for 65 mg
-_NAMED = re.compile(r"(?<![A-Za-z_])(ton|gr)s?(?![A-Za-z])")
-# Other powers, and powers of powers, take pint for ever.
-_POWER = re.compile(r"(?:\^|\*\*) ?\(?-?\d{1,2}\)?(?![\d.^(]| ?\*\*)")
+# What pint may take for ever, or for a number.
+_UNIT = re.compile(r"[A-Za-zµ°%'\"_0-9*/^·(). \-]{1,40}")  # the longest sensible one has a dozen characters
+_POWER = re.compile(r"(?:\^|\*\*) ?\(?[+-]?\d\)?(?![\d.^(]| ?\*\*)")
+_SEPARATED = re.compile(r"[+-]?\d+(?:,\d|[ ']\d{3}(?!\d))")  # a comma is a point to some, and nothing to others
+_PER_TURN = re.compile(r"/ ?(?:rev|turn|rot|tr|u|r)\.?$", re.IGNORECASE)  # of a lead
 
 
 class NotQuantity(ValueError):
@@ -66,23 +63,22 @@ def quantity(value: Any, *units: str) -> tuple[float, str]:
     """Return a quantity in the first of ``units`` that it fits, and that unit.
 
     ``value`` is text such as ``5 mm``, or a plain number where one of the units is empty. The radian counts as a
-    dimension of its own where pint would drop it: an angle needs an angular unit, a number must not have one. Raises
-    ``NotQuantity`` with the end of a sentence, such as ``is not a length, such as 5 mm``.
+    dimension of its own where pint would drop it: an angle needs an angular unit, a number must not have one. A lead,
+    ``m/turn``, comes back in m. Raises ``NotQuantity`` with the end of a sentence, such as ``is not a length, such as
+    5 mm``.
     """
-    text = str(value).replace("−", "-")
-    if fraction := _FRACTION.match(text):
-        text = f"{float(Fraction(int(fraction[1]), int(fraction[2])))!r} {text[fraction.end() :]}"
-    if threads := _PER_INCH.fullmatch(text):
-        text = f"{25.4 / float(threads[1])!r} mm"
-    text = re.sub(r"\s*([*/·^])\s*", r"\1", text)
-    text = re.sub(r"(?<![\d.][eE])(?<=[A-Za-zµ])([23])(?![\w.])", r"^\1", text)  # N/mm2
-    if re.fullmatch(r"\s*[+-]?\d+,\d+\s*(?:[^\d,].*)?", text):
-        written = text.strip().replace(",", ".", 1)
-        raise NotQuantity(f"= {shown(value)} is not {_wanted(units)}; it has a comma where {written} has a point")
-    match = _TEXT.fullmatch(text)
-    if not match:
+    text = plain(str(value))
+    if units[0] == "m/turn":
+        units, text = ("m",), _PER_TURN.sub("", text)
+    if _SEPARATED.match(text):
+        ways = [text.replace(",", ".", 1), re.sub(r"(?<=\d)[, '](?=\d{3})", "", text)]
+        taken = " or ".join(way for way in ways if way != text and _is_taken(way, units))
+        raise NotQuantity(f"= {shown(value)} is not {_wanted(units)}{taken and f'; write {taken}'}")
+    if units == ("",) and (ratio := re.fullmatch(r"(\d+(?:\.\d+)?) ?: ?1", text)):
+        text = ratio[1]
+    if not (found := split(text)):
         raise NotQuantity(f"= {shown(value)} is not {_wanted(units)}")
-    figure, unit = float(match[1]), (match[2] or "").strip()
+    figure, unit = float(found[0]), found[1]
     if not math.isfinite(figure):
         raise NotQuantity(f"= {shown(value)} is not finite")
     if not unit:
@@ -90,25 +86,44 @@ def quantity(value: Any, *units: str) -> tuple[float, str]:
             return figure, ""
         raise NotQuantity(f"= {shown(value)} has no unit; write it with one, such as {_KINDS[units[0]][1]}")
     if unit == "%" and "" in units:
-        return float(Decimal(match[1]).scaleb(-2)), ""  # 0.999 for 99.9 %, which a division would miss
+        return float(Decimal(found[0]).scaleb(-2)), ""  # 0.999 for 99.9 %, which a division would miss
     if not _UNIT.fullmatch(unit) or re.search(r"\^|\*\*", _POWER.sub("", unit)):
         raise NotQuantity(f"= {shown(value)} is not {_wanted(units)}")
-    if several := _NAMED.search(unit):
-        raise NotQuantity(f"= {shown(value)} has a unit of several meanings; write {_SEVERAL[several[1]]}")
     return _converted(figure, unit, units, value)
 
 
-def _converted(figure: float, unit: str, units: tuple[str, ...], value: Any) -> tuple[float, str]:
-    registry = _registry()
+def _is_taken(text: str, units: tuple[str, ...]) -> bool:
     try:
-        given = registry.Quantity(1.0, registry.parse_units(unit.replace("·", "*").replace(" ", "*")))
-        angles = _angles(given)
-    except Exception:  # pint raises many kinds, some of them of the tokenizer of Python
-        raise NotQuantity(f"= {shown(value)} has the unit {shown(unit)}, which is not known") from None
-    for wanted in filter(given.is_compatible_with, filter(None, units)):
-        # A torsional stiffness may be written in N m, its radian being understood.
-        if angles == _angles(registry.Quantity(1.0, wanted)) or (angles == 0 and "/rad" in wanted):
-            return float(registry.Quantity(figure, given.units).to(wanted).magnitude), wanted
+        return bool(quantity(text, *units))
+    except NotQuantity:
+        return False
+
+
+def _converted(figure: float, unit: str, units: tuple[str, ...], value: Any) -> tuple[float, str]:
+    registry, several = _registry(), readings(unit)
+    found: dict[str, tuple[float, str, str]] = {}
+    known = False
+    for text in several:
+        try:
+            given = registry.Quantity(figure, registry.parse_units(text))
+            angles, known = _angles(given), True
+        except Exception:  # pint raises many kinds, some of them of the tokenizer of Python
+            continue
+        for wanted in filter(given.is_compatible_with, filter(None, units)):
+            # A torsional stiffness may be written in N m, its radian being understood.
+            if angles == _angles(registry.Quantity(1.0, wanted)) or (angles == 0 and "/rad" in wanted):
+                size = float(given.to(wanted).magnitude)
+                found.setdefault(f"{size:.9g} {wanted}", (size, wanted, text.replace("**", "^")))
+    if len(found) > 1:
+        *names, last = (text for _, _, text in found.values())
+        raise NotQuantity(f"= {shown(value)} has a unit of several meanings; write {', '.join(names)} or {last}")
+    if not known:
+        examples = " or ".join(_KINDS[wanted][1] for wanted in units)
+        raise NotQuantity(f"= {shown(value)} has the unit {shown(unit)}, which is not known; {examples} would do")
+    for size, wanted, text in found.values():
+        if wanted == "N" and text in ("kgf", "gf") and len(several) > 1:
+            raise NotQuantity(f"= {shown(value)} is a mass; as a force it is written {figure:g} {text}")
+        return size, wanted
     raise NotQuantity(f"= {shown(value)} is not {_wanted(units)}")
 
 
@@ -122,6 +137,7 @@ def _wanted(units: tuple[str, ...]) -> str:
     return f"{words}, such as {examples}"
 
 
+_TOLERANCE = re.compile(r"(.+?) ?(?:±|\+ ?/? ?-) ?(.+)")  # 5 Nm ± 10 %, 5 ± 0.2 Nm
 _FORMS = {
     "uniform": ("low", "high"),
     "triangular": ("low", "mode", "high"),
@@ -161,6 +177,9 @@ class Spread:
             if len(value) != 2:
                 raise NotQuantity(f"= {shown(value)} is not a range of two quantities, such as [a, b]")
             value = {"low": value[0], "high": value[1]}
+        if isinstance(value, str) and (found := _within_tolerance(value, allowed)):
+            figures, unit = found
+            return cls("uniform", tuple(figures), unit, *_ends("uniform", figures, unit, check), value.strip())
         if not isinstance(value, Mapping):
             figure, unit = quantity(value, *allowed)
             check(figure, unit)
@@ -215,6 +234,21 @@ class Spread:
         return np.asarray(np.clip(values, self.low, self.high))
 
 
+def _within_tolerance(value: str, units: Allowed) -> tuple[list[float], str] | None:
+    """Read 5 Nm ± 10 %, 5 ± 0.2 Nm or 5 mm ± 0.1 as a range; a share of a percentage might be meant either way."""
+    if not (match := _TOLERANCE.fullmatch(plain(value))):
+        return None
+    (figure, unit), (width, own) = (split(part) or ("", "") for part in match.groups())
+    if not figure or not width or unit == own == "%":
+        raise NotQuantity(
+            f"= {shown(value)} is not a quantity with a tolerance, such as 5 Nm ± 10 %; write [low, high]"
+        )
+    unit = unit or own.removesuffix("%")
+    middle, si = quantity(f"{figure} {unit}".strip(), *units)
+    off = abs(middle) * float(width) / 100 if own == "%" else quantity(f"{width} {own or unit}".strip(), *units)[0]
+    return [middle - off, middle + off], si
+
+
 def _ends(kind: str, figures: list[float], unit: str, check: Callable[[float, str], None]) -> tuple[float, float]:
     """Where a distribution begins and ends; all of its parameters checked."""
     if kind in ("uniform", "triangular"):
@@ -253,7 +287,8 @@ def _check(figure: float, unit: str, allowed: Allowed, above: bool) -> None:
 
 
 def _field(unit: str, low: float, high: float) -> Any:
-    return Annotated[Spread, BeforeValidator(lambda value: Spread.of(value, {unit: (low, high)}))]
+    allowed = dict.fromkeys((unit, unit.removesuffix("/turn")), (low, high))
+    return Annotated[Spread, BeforeValidator(lambda value: Spread.of(value, allowed))]
 
 
 def _positive(highest: Mapping[str, float]) -> Any:
@@ -271,7 +306,7 @@ LARGEST_HALF_ANGLE = math.radians(60)
 # The ranges are those of the drives of the package, or narrower where no screw of metal reaches.
 Length = _field("m", 1e-6, 100.0)
 Diameter = _field("m", 1e-5, 1.0)
-Lead = _field("m", 1e-5, 10.0)
+Lead = _field("m/turn", 1e-5, 10.0)
 LeadAngle = _field("rad", _least("lead_angle"), math.radians(80))
 HalfAngle = _field("rad", 0.0, LARGEST_HALF_ANGLE)
 Mass = _field("kg", _least("mass"), 1e9)

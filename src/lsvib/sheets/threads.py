@@ -1,37 +1,34 @@
-"""Threads of the catalogues by name: metric trapezoidal, Acme and metric coarse."""
+"""Threads of the catalogues by name, as makers print them: metric trapezoidal, Acme, metric and Unified."""
 
 import math
 import re
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import partial
+from pathlib import Path
 from typing import Annotated
 
 from pydantic import BeforeValidator
 
+from lsvib.drives.scene import read_yaml
 from lsvib.numbers import shown
 from lsvib.sheets.fields import NotQuantity
+from lsvib.sheets.units import plain
 
-_TRAPEZOIDAL = {  # nominal diameter: pitches [mm] of ISO 2902, and those of drive screws that catalogues offer besides
-    8: (1.5, 2), 9: (1.5, 2), 10: (1.5, 2, 3), 11: (2, 3), 12: (2, 3, 4), 14: (2, 3, 4), 16: (2, 3, 4), 18: (2, 4),
-    20: (2, 4), 22: (3, 5, 8), 24: (3, 5, 8), 26: (3, 5, 8), 28: (3, 5, 8), 30: (3, 6, 10), 32: (3, 6, 10),
-    34: (3, 6, 10), 36: (3, 6, 10), 38: (3, 7, 10), 40: (3, 7, 10), 44: (3, 7, 12), 48: (3, 8, 12), 50: (3, 8, 12),
-    52: (3, 8, 12), 55: (3, 9, 14), 60: (3, 9, 14), 65: (4, 10, 16), 70: (4, 10, 16), 80: (4, 10, 16),
-    85: (4, 12, 18), 90: (4, 12, 18), 95: (4, 12, 18), 100: (4, 12, 20), 110: (4, 12, 20), 120: (6, 14, 22),
-    130: (6, 14, 22), 140: (6, 14, 24), 150: (6, 16, 24), 160: (6, 16, 28), 170: (6, 16, 28), 180: (8, 18, 28),
-    190: (8, 18, 32), 200: (8, 18, 32), 210: (8, 20, 36), 220: (8, 20, 36), 230: (8, 20, 36), 240: (8, 22, 36),
-    250: (12, 22, 40), 260: (12, 22, 40), 270: (12, 24, 40), 280: (12, 24, 40), 290: (12, 24, 44), 300: (12, 24, 44),
-}  # fmt: skip
-_ACME = {  # nominal diameter [inch]: threads per inch
-    "1/4": 16, "5/16": 14, "3/8": 12, "7/16": 12, "1/2": 10, "5/8": 8, "3/4": 6, "7/8": 6, "1": 5, "1-1/8": 5,
-    "1-1/4": 5, "1-3/8": 4, "1-1/2": 4, "1-3/4": 4, "2": 4, "2-1/4": 3, "2-1/2": 3, "2-3/4": 3, "3": 2,
-}  # fmt: skip
-_COARSE = {  # nominal diameter: pitch [mm] of the coarse series of ISO 261
-    4: 0.7, 5: 0.8, 6: 1, 8: 1.25, 10: 1.5, 12: 1.75, 14: 2, 16: 2, 18: 2.5, 20: 2.5, 22: 2.5, 24: 3, 27: 3, 30: 3.5,
-    33: 3.5, 36: 4, 39: 4, 42: 4.5, 45: 4.5, 48: 5, 52: 5, 56: 5.5, 60: 5.5, 64: 6,
-}  # fmt: skip
-_METRIC = re.compile(r"M\s*(\d{1,3})(?:\s*x\s*(\d+(?:\.\d+)?))?")
-_POWER_METRIC = re.compile(r"Tr\s*(\d{1,3})\s*x\s*(\d+(?:\.\d+)?)(?:\s*\(?P(\d+(?:\.\d+)?)\)?)?", re.IGNORECASE)
-_INCHES = re.compile(r"Acme\s*((?:\d-)?\d{1,2}/\d{1,2}|\d)\s*-\s*(\d{1,2})", re.IGNORECASE)
+_TABLES = read_yaml(Path(__file__).with_name("threads.yaml"))
+_N = r"(\d+(?:\.\d+)?|\.\d+)"
+_SIZE, _STARTS = (
+    rf"((?:\d[ -])?\d{{1,2}}/\d{{1,2}}|{_N[1:-1]})[ -]*(?:in|\")? ?-",
+    r"(?: ?[x-]? ?\(?([1-9]) ?-?starts?\)?)?",
+)
+_ISO = re.compile(rf"M ?{_N}(?: ?[x-] ?{_N})?", re.IGNORECASE)
+_TRAPEZOID = re.compile(rf"Tr? ?{_N}(?: ?x ?{_N}(?: ?\(?P ?{_N}\)?)?{_STARTS})?", re.IGNORECASE)
+_INCHES = re.compile(rf"{_SIZE} ?([1-9]\d?)(?: ?tpi)?{_STARTS}", re.IGNORECASE)
+_ASME = re.compile(rf"{_SIZE} ?{_N}P ?- ?{_N}L", re.IGNORECASE)
+_BALL = re.compile(r"(?:[SDF]F[A-Z]{1,2}|BSH?|KG[STF]|R)?[ -]?(\d\d)[x-]?0?(\d\d?)(?:-\d)?R?", re.IGNORECASE)
+_SERIES = re.compile(r"[ -]*\b(Acme|UN[CF])\b[ -]*", re.IGNORECASE)
+_HAND = re.compile(r"[ ,-]*(?:(?<![A-Z])[LR]H\b|\b(?:left|right)[ -]hand(?:ed)?\b)", re.IGNORECASE)
+_TOLERANCE = re.compile(r"(?<=[\dL)])[ -]+\d[A-Za-z](?:/\d[A-Za-z])?$")  # 7e, 6H/6g, 2G
 
 
 @dataclass(frozen=True)
@@ -52,51 +49,106 @@ def thread_size(name: object) -> ThreadSize:
     """Return the thread of a name such as ``Tr 10x2``, ``Tr 8x8 P2`` (lead, then pitch), ``Acme 1/2-10``, ``M20``.
 
     The pitch diameter of Tr (DIN 103, ISO 2904) and Acme (ASME B1.5) is the nominal one d less half a pitch P, the root
-    diameter d − P − 2 a with a clearance a of the standard; of M (ISO 724) they are d − 3√3/8 P and d − 17√3/24 P.
-    Raises ``NotQuantity`` with the end of a sentence.
+    diameter d − P − 2 a with a clearance a of the standard; of M (ISO 724) and UN they are d − 3√3/8 P and
+    d − 17√3/24 P. Raises ``NotQuantity`` with the end of a sentence.
     """
-    text = name.strip() if isinstance(name, str) else ""
-    if match := _METRIC.fullmatch(text):
-        return _metric(int(match[1]), float(match[2]) if match[2] else None, text)
-    if match := _POWER_METRIC.fullmatch(text):
-        diameter, lead = int(match[1]), float(match[2])
-        pitch = float(match[3] or lead)
-        if diameter not in _TRAPEZOIDAL or pitch not in _TRAPEZOIDAL[diameter]:
-            pitches = ", ".join(f"{p:g}" for p in _TRAPEZOIDAL.get(diameter, ()))
-            hint = f"Tr {diameter} has the pitches {pitches} mm" if pitches else "diameters go from Tr 8 to Tr 300"
-            own = next((p for p in reversed(_TRAPEZOIDAL.get(diameter, ())) if lead / p in (2, 3, 4, 6, 8)), None)
-            if match[3] is None and own is not None:
-                hint += f"; with several starts it is written with its pitch, such as Tr {diameter}x{lead:g} P{own:g}"
-            raise NotQuantity(f"= {name!r} is not in the catalogue: {hint}")
-        starts = lead / pitch
-        if starts != round(starts) or not 1 <= starts <= 8:
-            raise NotQuantity(f"= {name!r} has a lead that is not 1 to 8 times its pitch of {pitch:g} mm")
-        clearance = 0.15 if pitch < 2 else 0.25 if pitch < 6 else 0.5 if pitch < 14 else 1.0
-        root = (diameter - pitch - 2 * clearance) * 1e-3
-        return ThreadSize(lead * 1e-3, (diameter - 0.5 * pitch) * 1e-3, math.radians(15), root)
-    if match := _INCHES.fullmatch(text):
-        threads = int(match[2])
-        if _ACME.get(match[1]) != threads:
-            raise NotQuantity(f"= {name!r} is not in the catalogue of general-purpose Acme threads")
-        whole, _, rest = match[1].rpartition("-")
-        inches = float(Fraction(rest) + (int(whole) if whole else 0))
-        root = (inches - 1 / threads - (0.02 if threads <= 10 else 0.01)) * 0.0254
-        return ThreadSize(0.0254 / threads, (inches - 0.5 / threads) * 0.0254, math.radians(14.5), root)
+    text = _HAND.sub("", re.sub(r"(?<=\d) ?[*xX] ?(?=\d)", "x", plain(str(name)))).strip()  # statics are those of RH
+    series = {found.upper() for found in _SERIES.findall(text)}
+    text = _TOLERANCE.sub("", _SERIES.sub(" ", text).strip())
+    forms = (_TRAPEZOID, _trapezoidal), (_ASME, _acme), (_INCHES, partial(_of_inches, series)), (_ISO, _metric)
+    for pattern, made in forms:
+        if match := pattern.fullmatch(text):
+            try:
+                return made(*match.groups())
+            except NotQuantity as error:
+                raise NotQuantity(f"= {shown(name)} {error}") from None
+    if match := _BALL.fullmatch(text):
+        raise NotQuantity(
+            f"= {shown(name)} is no sliding thread; a ball screw is given by thread.lead = {match[2]} mm, "
+            f"thread.pitch_diameter = {match[1]} mm or what its maker states, and friction.efficiency or coefficient"
+        )
     raise NotQuantity(
-        f"= {shown(name)} is not the name of a thread, such as Tr 10x2, Tr 8x8 P2, Acme 1/2-10 or M20x2.5"
+        f"= {shown(name)} is not the name of a thread, such as Tr 10x2, Tr 8x8 P2, Acme 1/2-10, M20x2.5, or of an Acme "
+        "thread with pitch and lead in inches, Acme 3/8-0.1P-0.5L"
     )
 
 
-def _metric(diameter: int, pitch: float | None, name: str) -> ThreadSize:
-    """A metric thread of the coarse series [mm], whose pitch need not be named."""
-    coarse = _COARSE.get(diameter)
-    pitch = pitch or coarse
-    if pitch is None or coarse != pitch:
-        hint = f"M{diameter} has the coarse pitch {coarse:g} mm" if coarse else "diameters go from M4 to M64"
-        raise NotQuantity(f"= {name!r} is not in the catalogue: {hint}")
+def _trapezoidal(size: str, named: str | None, own: str | None, count: str | None) -> ThreadSize:
+    """A trapezoidal thread [mm]; a lead that is no pitch is one of 2 to 4 starts, if only one pitch makes it so."""
+    diameter, lead, starts = float(size), float(named or 0), int(count or 0)
+    pitches = _TABLES["trapezoidal"].get(diameter, ())
+    if own:
+        fits = [(lead, float(own))]
+    elif starts:  # the number before them may be the lead, as in the standard, or the pitch
+        fits = [(one, one / starts) for one in {lead, lead * starts} if one / starts in pitches]
+    elif lead:
+        fits = [(lead, lead)] if lead in pitches else [(lead, p) for p in pitches if lead / p in (2, 3, 4)]
+    else:
+        fits = [(p, p) for p in pitches] + [(4 * p, p) for p in pitches[1:2]]
+    if len(fits) > 1:
+        *names, last = (f"Tr {size}x{one:g}" + (f" P{p:g}" if p < one else "") for one, p in sorted(fits))
+        raise NotQuantity(f"may be several threads; write {', '.join(names)} or {last}: lead, then pitch behind a P")
+    if not fits:
+        has = (
+            f"Tr {size} has the pitches {', '.join(map(str, pitches))} mm" if pitches else "it goes from Tr 8 to Tr 300"
+        )
+        like = f"Tr {size}x{lead:g} P{lead if lead <= 0.5 * diameter else lead / 4:g}"
+        raise NotQuantity(f"is not in the catalogue: {has}; any other pitch is written behind a P, such as {like}")
+    ((lead, pitch),) = fits
+    _check(diameter, pitch, lead, "mm")
+    clearance = 0.15 if pitch < 2 else 0.25 if pitch < 6 else 0.5 if pitch < 14 else 1.0
+    root = (diameter - pitch - 2 * clearance) * 1e-3
+    return ThreadSize(lead * 1e-3, (diameter - 0.5 * pitch) * 1e-3, math.radians(15), root)
+
+
+def _of_inches(series: set[str], size: str, threads: str, starts: str | None) -> ThreadSize:
+    """A thread of so many per inch, Acme or Unified by its series, or by the only table that has it."""
+    pitch, inches = 1 / int(threads), _inches(size)
+    size = next((known for known in _TABLES["unified"] | _TABLES["acme"] if abs(_inches(known) - inches) < 1e-3), size)
+    if int(starts or 1) > 1:  # threads, or turns per inch
+        names = [f"Acme {size}-{p:.6g}P-{int(starts or 1) * p:.6g}L" for p in (pitch, pitch / int(starts or 1))]
+        raise NotQuantity(f"may be several threads; write {' or '.join(names)}: pitch, then lead in inches")
+    if not series - {"ACME"} and _TABLES["acme"].get(size) == int(threads):
+        return _acme(size, str(pitch), str(pitch))
+    if "ACME" not in series and int(threads) in _TABLES["unified"].get(size, ()):
+        return _sixty_degrees(25.4 * inches, 25.4 * pitch)
+    like = f"Acme {size}-{pitch:.6g}P-{pitch:.6g}L"
+    raise NotQuantity(
+        f"is not in the catalogue; Acme with another pitch has pitch and lead in its name, such as {like}"
+    )
+
+
+def _acme(size: str, own: str, named: str) -> ThreadSize:
+    """An Acme thread of pitch and lead [inch]."""
+    diameter, pitch, lead = _inches(size), float(own), float(named)
+    _check(diameter, pitch, lead, "inch")
+    root = (diameter - pitch - (0.02 if pitch >= 0.1 else 0.01)) * 0.0254
+    return ThreadSize(0.0254 * lead, (diameter - 0.5 * pitch) * 0.0254, math.radians(14.5), root)
+
+
+def _check(diameter: float, pitch: float, lead: float, unit: str) -> None:
+    starts = lead / pitch if 0 < pitch <= 0.5 * diameter else 0.0
+    if abs(starts - round(starts)) > 0.01 or not 1 <= round(starts) <= 20:
+        raise NotQuantity(f"has a pitch above half its diameter, or a lead that is not 1 to 20 times {pitch:g} {unit}")
+
+
+def _metric(size: str, named: str | None) -> ThreadSize:
+    """A metric thread [mm], whose pitch need not be named if it is the coarse one."""
+    pitches = _TABLES["metric"].get(float(size), ())
+    if not pitches or (named and float(named) not in pitches):
+        has = f"M{size} has the pitches {', '.join(map(str, pitches))} mm" if pitches else "it goes from M3 to M64"
+        raise NotQuantity(f"is not in the catalogue: {has}")
+    return _sixty_degrees(float(size), float(named or pitches[0]))
+
+
+def _sixty_degrees(diameter: float, pitch: float) -> ThreadSize:
     height = math.sqrt(3) / 2 * pitch  # of the fundamental triangle
     diameters = [1e-3 * (diameter - share * height) for share in (3 / 4, 17 / 12)]
     return ThreadSize(pitch * 1e-3, diameters[0], math.radians(30), diameters[1], 5 / 8 * height / pitch)
+
+
+def _inches(text: str) -> float:
+    return float(sum(map(Fraction, text.replace("-", " ").split())))
 
 
 Size = Annotated[ThreadSize, BeforeValidator(thread_size)]
