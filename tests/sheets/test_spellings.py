@@ -1,61 +1,64 @@
-"""Quantities and names of threads as makers print them: what they are, and what is refused (spellings.yaml)."""
+"""Quantities, threads, nuts as makers print them: what they are, and what is refused (spellings.yaml)."""
 
+import re
 from pathlib import Path
 
 import pytest
 import yaml
 
+from lsvib.errors import InputError
 from lsvib.sheets.fields import NotQuantity, quantity, spread
+from lsvib.sheets.output import assess_file
+from lsvib.sheets.sheet import Sheet
+from lsvib.sheets.statics import statics
 from lsvib.sheets.threads import thread_size
 
 TABLE = yaml.safe_load(Path(__file__).with_name("spellings.yaml").read_text(encoding="utf-8"))
-
-
-def said(call, *given) -> str:
-    with pytest.raises(NotQuantity) as error:
-        call(*given)
-    return str(error.value)
+GATE = {
+    "name": "a gate", "thread": {"size": "Tr 30x6"}, "nut": {"length": '2"', "material": "POM"},
+    "screw": {"length": "0.5 m", "ends": "fixed-free"}, "load": {"force": "500 lb"}, "operation": {"speed": "5 ipm"},
+    "friction": {"coefficient": 0.1},
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("kind", TABLE["quantities"])
 def test_quantities_are_read_as_they_are_printed(kind):
     for text, value in TABLE["quantities"][kind].items():
-        expected = eval(str(value), {}, TABLE["definitions"])
-        assert quantity(text, kind) == (pytest.approx(expected, rel=1e-12), kind.removesuffix("/turn")), text
-
-
-def test_tolerances_are_ranges():
-    for text, (kind, low, high) in TABLE["tolerances"].items():
+        low, high = (
+            eval(str(one), {}, TABLE["definitions"]) for one in (value if isinstance(value, list) else [value, value])
+        )
         found = spread(text, kind, check=lambda *_: None)
-        assert (found.kind, found.text) == ("uniform", text)
-        assert (found.low, found.high) == pytest.approx((low, high), rel=1e-12), text
+        assert [found.low, found.high] == pytest.approx([low, high], rel=1e-12), text
+        assert found.unit == kind.removesuffix("/turn")
 
 
 @pytest.mark.parametrize(("text", "kind", "words"), TABLE["refused"])
 def test_what_has_two_meanings_or_another_is_refused_and_what_is_offered_is_taken(text, kind, words):
-    sentence = (
-        said(quantity, text, kind) if "±" not in text else said(lambda: spread(text, kind, check=lambda *_: None))
-    )
-    assert words in sentence
-    for offer in sentence.partition("; write ")[2].split(" or "):
+    with pytest.raises(NotQuantity, match=re.escape(words)) as error:
+        spread(text, kind, check=lambda *_: None)
+    for offer in str(error.value).partition("; write ")[2].split(" or "):
         assert not offer[:1].isdigit() or quantity(offer, kind)
 
 
-def test_threads_are_known_by_the_names_that_are_printed():
-    for name, (lead, *diameters) in TABLE["threads"].items():
-        size, unit = thread_size(name), 25.4e-3 if diameters[-1] == "in" else 1e-3
-        assert size.lead == pytest.approx(lead * unit, rel=2e-5), name
-        assert size.pitch_diameter == pytest.approx(
-            diameters[0] * unit, abs=5.5e-4 * unit if unit == 1e-3 else 6e-5 * unit
-        ), name
-        assert size.root_diameter == pytest.approx(
-            diameters[1] * unit, abs=5.5e-4 * unit if unit == 1e-3 else 6e-5 * unit
-        ), name
+@pytest.mark.parametrize("name", TABLE["threads"])
+def test_threads_are_known_by_the_names_that_are_printed_and_a_lead_is_never_guessed(name):
+    if isinstance(words := TABLE["threads"][name], str):
+        with pytest.raises(NotQuantity, match=re.escape(words)) as error:
+            thread_size(name)
+        for offer in re.findall(r"Tr [\dx.]+(?: P[\d.]+)?|Acme [^ ]+L", str(error.value).partition("rite ")[2]):
+            thread_size(offer)
+        return
+    size, (unit, rounded) = thread_size(name), (25.4e-3, 6e-5) if words[-1] == "in" else (1e-3, 5.5e-4)
+    found = [one / unit for one in (size.lead, size.pitch_diameter, size.root_diameter)]
+    assert found == pytest.approx(words[:3], abs=rounded)
 
 
-@pytest.mark.parametrize("name", TABLE["no_threads"])
-def test_a_lead_is_never_guessed_and_names_that_are_offered_are_taken(name):
-    sentence = said(thread_size, name)
-    assert TABLE["no_threads"][name] in sentence
-    for offer in sentence.partition("write ")[2].partition(":")[0].replace(" or ", ", ").split(", "):
-        assert not offer or thread_size(offer)
+def test_limits_that_are_not_known_are_said(tmp_path):
+    (tmp_path / "gate.yaml").write_text(yaml.safe_dump(GATE), encoding="utf-8")
+    found = assess_file(tmp_path / "gate.yaml", None)
+    assert "No limit of PV is known for acetal, so none is judged; give nut.pv_limit." in found["brief"][-1]
+    with pytest.raises(InputError, match="may be acetal_dry or acetal_wet or acetal_oil"):
+        Sheet.of({key: value for key, value in GATE.items() if key != "friction"})
+    own = {"density": "7.85 g/cc", "modulus": "200 GPa", "yield_strength": "250 MPa"}
+    steel, same = (statics(Sheet.of({**GATE, "screw": GATE["screw"] | more})).rows for more in ({}, own))
+    assert same == steel

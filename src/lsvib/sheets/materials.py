@@ -1,6 +1,14 @@
-"""Materials of screws and nuts by name, with their numbers and where these come from."""
+"""Materials of screws and nuts by name, with their numbers and where these come from (materials.yaml)."""
 
+import re
 from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from lsvib.drives.pairings import PAIRINGS
+from lsvib.drives.scene import read_yaml
+
+_TABLE: dict[str, Any] = read_yaml(Path(__file__).with_name("materials.yaml"))
 
 
 @dataclass(frozen=True)
@@ -20,28 +28,29 @@ class NutMaterial:
     """
 
     pressure_limit: float | None
-    pv_limit: float
+    pv_limit: float | None
     source: str
 
 
-# Modulus and yield strength of ASTM A36, AISI 304, aluminium 6061-T6, brass C83400, Ti-6Al-4V, which are low for
-# their kind: Hibbeler, Mechanics of Materials, average mechanical properties.
-SCREW_MATERIALS = {
-    "steel": ScrewMaterial(7850.0, 200e9, 250e6),
-    "stainless steel": ScrewMaterial(7900.0, 193e9, 207e6),
-    "aluminium": ScrewMaterial(2700.0, 68.9e9, 255e6),
-    "brass": ScrewMaterial(8500.0, 101e9, 70e6),
-    "titanium": ScrewMaterial(4430.0, 120e9, 924e6),
-}
+SCREW_MATERIALS = {name: ScrewMaterial(*numbers) for name, numbers in _TABLE["screws"].items()}
+NUT_MATERIALS = {name: NutMaterial(p, pv, _TABLE["sources"][by]) for name, (p, pv, by) in _TABLE["nuts"].items()}
+_ALSO = {other: name for name, others in _TABLE["also"].items() for other in others.split()}
 
-_IGUS = "igus, material data of plain bearings, dry at 20 °C"
-_MOTT = "Mott, Machine Elements in Mechanical Design, table of pV in boundary lubrication, as others quote it"
-NUT_MATERIALS = {
-    "iglidur_j": NutMaterial(35.0e6, 0.34e6, _IGUS),
-    "iglidur_j260": NutMaterial(40.0e6, 0.35e6, _IGUS),
-    "iglidur_b": NutMaterial(40.0e6, 0.15e6, _IGUS),
-    "leaded_tin_bronze": NutMaterial(None, 2.625e6, _MOTT),
-    "manganese_bronze": NutMaterial(None, 5.25e6, _MOTT),
-    "nylon": NutMaterial(None, 0.105e6, _MOTT),
-    "uhmw_pe": NutMaterial(None, 0.14e6, _MOTT),
-}
+
+def common_name(name: Any) -> Any:
+    """Return the name of a material in the tables for another one, such as acetal for POM, if there is one."""
+    plain = re.sub(r"[\s-]+", "_", name.strip().lower()) if isinstance(name, str) else name
+    return _ALSO.get(plain, plain if plain in NUT_MATERIALS else name)
+
+
+def pairings(nut: Any, screw: Any) -> list[str]:
+    """Return the names of :data:`PAIRINGS` for a nut of one material on a screw of another, steel if it is not given.
+
+    >>> pairings("leaded_tin_bronze", None)
+    ['steel_on_bronze_dry', 'steel_on_bronze_lubricated']
+    """
+    nut, screw = common_name(nut), common_name(screw)
+    if not isinstance(nut, str) or screw not in (None, "steel", "stainless steel"):
+        return []
+    kind = "bronze" if nut.endswith("bronze") else nut
+    return [name for name in PAIRINGS if f"{name.removeprefix('steel_on_')}_".startswith(f"{kind}_")]

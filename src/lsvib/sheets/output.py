@@ -66,7 +66,7 @@ def _of_statics(sheet: Sheet) -> dict[str, Any]:
         "name": sheet.name,
         "verdict": None,
         "sentence": sentence,
-        "brief": [line for line in (sentence, *of_statics(found), said("curve", curve)) if line],
+        "brief": [line for line in (sentence, *of_statics(found), said("nut", sheet), said("curve", curve)) if line],
         "statics": _statics_json(found),
         "friction_curve": curve,
         "assumptions": dict(sheet.assumptions),

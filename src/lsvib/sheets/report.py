@@ -15,6 +15,7 @@ import numpy as np
 from jinja2 import Environment
 
 from lsvib.drives import friction
+from lsvib.drives.pairings import PAIRINGS
 from lsvib.errors import InputError
 from lsvib.files import write_json, write_text
 from lsvib.sheets import pictures, words
@@ -25,7 +26,7 @@ from lsvib.sheets.draw import Draw
 from lsvib.sheets.fields import Spread
 from lsvib.sheets.formulas import FRICTION, sliding_speed
 from lsvib.sheets.from_rest import BEYOND
-from lsvib.sheets.materials import NUT_MATERIALS
+from lsvib.sheets.materials import NUT_MATERIALS, pairings
 from lsvib.sheets.statics import Statics, lets_go
 from lsvib.sheets.threads import ThreadSize
 from lsvib.sheets.words import shown
@@ -42,6 +43,7 @@ def _templates(html: bool) -> Environment:
     found = words.environment(html)
     found.globals |= vars(words) | {"EFFORTS": EFFORTS, "BEYOND": BEYOND, "POOR": POOR, "drops": drops, "inf": math.inf}
     found.globals |= {"pictures": pictures, "said": said, "of_curve": of_curve, "NUT_MATERIALS": NUT_MATERIALS}
+    found.globals |= {"pairings_for": pairings, "PAIRINGS": PAIRINGS}
     return found
 
 
@@ -61,8 +63,8 @@ def brief(assessment: Assessment) -> list[str]:
     told = assessment.verdict not in ("vibrates", "steady without reserve") or known
     first = f"{assessment.sentence} {said('from_rest', assessment.from_rest) if told else ''}".strip()
     changes = [said("changes", assessment)] if assessment.verdict in ("vibrates", "jerks") else []
-    curve = said("curve", of_curve(assessment.draw))
-    return [line for line in (first, *of_statics(assessment.statics), curve, *changes) if line]
+    curve, nut = said("curve", of_curve(assessment.draw)), said("nut", assessment.draw.sheet)
+    return [line for line in (first, *of_statics(assessment.statics), nut, curve, *changes) if line]
 
 
 def of_statics(found: Statics) -> list[str]:

@@ -16,9 +16,11 @@ from lsvib.errors import InputError
 from lsvib.numbers import names_and_values, shown, whole_between
 from lsvib.sheets import fields
 from lsvib.sheets.fields import NotQuantity, Spread
-from lsvib.sheets.materials import NUT_MATERIALS, SCREW_MATERIALS
+from lsvib.sheets.materials import NUT_MATERIALS, SCREW_MATERIALS, common_name, pairings
 from lsvib.sheets.threads import Size
 from lsvib.sheets.torque.law import law_of_curve
+
+_Material = Annotated[str, BeforeValidator(common_name)]
 
 
 class Part(BaseModel):
@@ -90,14 +92,17 @@ class Thread(Part):
 class Screw(Part):
     """What turns: an inertia, or a cylinder, which vibration needs; its mass is needed with a support only.
 
-    With ``ends`` its column and its critical speed are judged, over ``unsupported_length``, or else ``length``.
+    With ``ends`` its column and its critical speed are judged, over ``unsupported_length``, or else ``length``;
+    ``modulus`` and ``yield_strength`` go before those of ``material``, and are needed beside ``density``.
     """
 
     inertia: fields.Inertia | None = None
     length: fields.Length | None = None
     diameter: fields.Diameter | None = None
-    material: str | None = None
+    material: _Material | None = None
     density: fields.Density | None = None
+    modulus: fields.Pressure | None = None
+    yield_strength: fields.Pressure | None = None
     mass: fields.Mass | None = None
     ends: Literal["fixed-free", "supported-supported", "fixed-supported", "fixed-fixed"] | None = None
     unsupported_length: fields.Length | None = None
@@ -110,8 +115,8 @@ class Screw(Part):
             return f"screw.material = {shown(self.material)} is not one of {names}; or give screw.density."
         if self.length and self.unsupported_length and self.unsupported_length.high > self.length.high:
             return f"screw.unsupported_length = {self.unsupported_length.text} is above screw.length."
-        if self.ends is not None and self.density is not None:
-            return "screw.ends needs screw.material instead of screw.density, as the modulus follows from it."
+        if self.ends is not None and self.density is not None and not (self.modulus and self.yield_strength):
+            return "screw.ends needs screw.modulus and screw.yield_strength beside screw.density, or screw.material."
         if self.ends is not None and self.length is None and self.unsupported_length is None:
             return "screw.ends needs screw.unsupported_length or screw.length, over which the screw can bend."
         return None
@@ -127,7 +132,7 @@ class Nut(Part):
     length: fields.Length | None = None
     preload: fields.Rubbing | None = None
     load_share: fields.Share | None = None
-    material: str | None = None
+    material: _Material | None = None
     pressure_limit: fields.Pressure | None = None
     pv_limit: fields.PressureSpeed | None = None
     speed_limit: fields.SlidingSpeed | None = None
@@ -358,7 +363,11 @@ class Sheet(Part):
         try:
             sheet = cls.model_validate(values)
         except ValidationError as error:
-            raise InputError(sentence_about(cls, error)) from None
+            own = [one.get("material") if isinstance(one := values.get(p), Mapping) else None for p in ("nut", "screw")]
+            sentence, names = sentence_about(cls, error), pairings(*own)
+            if names and sentence == "friction is missing.":
+                sentence = f"friction is missing; for these materials friction.pairing may be {' or '.join(names)}."
+            raise InputError(sentence) from None
         for _, part in sheet:
             if isinstance(part, Part) and (problem := part.problem()) is not None:
                 raise InputError(problem)

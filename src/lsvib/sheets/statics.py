@@ -303,15 +303,17 @@ def _shaft(
     found: dict[str, Judged] = {}
     diameter = entries.get("screw.root_diameter", sheet.thread.size and sheet.thread.size.root_diameter)
     material = SCREW_MATERIALS[sheet.screw.material or "steel"]
+    modulus = entries.get("screw.modulus", material.modulus)
+    strength = entries.get("screw.yield_strength", material.yield_strength)
     if sheet.screw.ends is not None:
         length = entries["screw.unsupported_length" if "screw.unsupported_length" in entries else "screw.length"]
         factor, root = ENDS[sheet.screw.ends]
-        column = column_load(material.modulus, material.yield_strength, diameter, length, factor)
-        whirling = critical_speed(material.modulus, material.density, diameter, length, root)
+        column = column_load(modulus, strength, diameter, length, factor)
+        whirling = critical_speed(modulus, entries.get("screw.density", material.density), diameter, length, root)
         found = {"column_load": (force, SAFE * column), "screw_speed": (speed, SAFE * whirling)}
-    if diameter is not None and sheet.screw.density is None:
+    if diameter is not None and (sheet.screw.density is None or sheet.screw.yield_strength is not None):
         sides = (root_stress(*both, diameter) for both in zip((0.0, force), torques, strict=True))
-        found["root_stress"] = np.maximum(*sides), material.yield_strength
+        found["root_stress"] = np.maximum(*sides), strength
     return found
 
 
