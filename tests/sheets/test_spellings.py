@@ -1,4 +1,4 @@
-"""Quantities, threads, nuts as makers print them: what they are, and what is refused (spellings.yaml)."""
+"""Quantities, threads, nuts as makers print them: what they are, and what is refused (spellings.yaml); US units."""
 
 import re
 from pathlib import Path
@@ -53,9 +53,12 @@ def test_threads_are_known_by_the_names_that_are_printed_and_a_lead_is_never_gue
     assert found == pytest.approx(words[:3], abs=rounded)
 
 
-def test_limits_that_are_not_known_are_said(tmp_path):
+def test_us_units_stand_beside_si_and_limits_that_are_not_known_are_said(tmp_path):
     (tmp_path / "gate.yaml").write_text(yaml.safe_dump(GATE), encoding="utf-8")
-    found = assess_file(tmp_path / "gate.yaml", None)
+    found, us = (assess_file(tmp_path / "gate.yaml", None, us=us) for us in (False, True))
+    torque = found["statics"]["lifting_torque"]["middle"]
+    assert f"takes {torque:.3g} N m ({torque / 4.4482216152605 / 0.0254:.3g} lbf·in) and" in " ".join(us["brief"])
+    assert {**us, "brief": 0} == {**found, "brief": 0}
     assert "No limit of PV is known for acetal, so none is judged; give nut.pv_limit." in found["brief"][-1]
     with pytest.raises(InputError, match="may be acetal_dry or acetal_wet or acetal_oil"):
         Sheet.of({key: value for key, value in GATE.items() if key != "friction"})

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib.resources import files
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
@@ -61,6 +61,7 @@ def assess(
     template: Annotated[bool, Parameter(negative="", help="Print a data sheet to fill in, and nothing else.")] = False,
     samples: Annotated[Whole, Parameter(help="Drives drawn from the uncertainties, a power of two.")] = 4096,
     seed: Annotated[Whole, Parameter(help="Seed of the samples.")] = 1,
+    units: Annotated[Literal["si", "us"], Parameter(help="us: in, lbf, lbf·in and others beside SI units.")] = "si",
     as_json: AsJson = False,
 ) -> None:
     """Assess a drive from its data sheet: will it vibrate, what does it bear, and what should be changed.
@@ -80,10 +81,12 @@ def assess(
         return
     if sheet is None:
         raise InputError("lsvib assess needs the file of a data sheet; lsvib assess --template prints one to fill in.")
+    if as_json and units == "us":
+        raise InputError("lsvib assess --json is in SI units alone; leave out --json or --units us.")
     refuse_results_of_the_workflow(out and out / "index.html")
     with _installed("assess", "assess"):
         from lsvib.sheets.output import assess_file
-    result = assess_file(sheet, out, samples, seed)
+    result = assess_file(sheet, out, samples, seed, units == "us")
     written = [f"wrote {out / 'index.html'}, assessment.nc and assessment.json"] if out is not None else []
     show(result, as_json, [*result["brief"], *written])
 

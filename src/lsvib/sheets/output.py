@@ -22,17 +22,18 @@ from lsvib.sheets.operation import Operation
 from lsvib.sheets.report import brief, of_curve, of_statics, report, said
 from lsvib.sheets.sheet import Sheet
 from lsvib.sheets.statics import Statics, statics
-from lsvib.sheets.words import ABOUT, QUANTITIES
+from lsvib.sheets.words import ABOUT, QUANTITIES, us_units_too
 
 _OF_MOTIONS = ("parts", "attractor", "vibrates", "frequency", "audible", "amplitude", "load_speed", "screw_speed",
                "peak_contact_force", "peak_impulse", "reason", "scene")  # fmt: skip
 
 
-def assess_file(path: Path, out: Path | None, samples: Any = 4096, seed: Any = 1) -> dict[str, Any]:
+def assess_file(path: Path, out: Path | None, samples: Any = 4096, seed: Any = 1, us: bool = False) -> dict[str, Any]:
     """Assess the data sheet in a YAML file; write ``index.html``, ``assessment.nc``, ``assessment.json`` to ``out``.
 
-    Without ``out`` nothing is written. ``samples``: a power of two. Returns what ``assessment.json`` holds. Raises
-    ``InputError`` or another ``LsvibError`` in one sentence; then nothing is written.
+    Without ``out`` nothing is written. ``samples``: a power of two. Returns what ``assessment.json`` holds; with ``us``
+    the page and the ``brief`` that is returned have US units beside SI. Raises ``InputError`` or another ``LsvibError``
+    in one sentence; then nothing is written.
     """
     count = numbers.whole_between("samples", samples, 64, 2**20)  # seconds; a share is in error by less than 1e-3
     if count & (count - 1):
@@ -42,7 +43,8 @@ def assess_file(path: Path, out: Path | None, samples: Any = 4096, seed: Any = 1
     if sheet.of_statics:
         if out is not None:
             raise InputError(f"a report needs what vibration needs; {sheet.of_statics}.")
-        return _of_statics(sheet)
+        with us_units_too(us):
+            return _of_statics(sheet)
     files = [out / name for name in ("index.html", "assessment.nc", "assessment.json")] if out else []
     check_outputs(files, [path])
     found = assess(sheet, count, start)
@@ -50,10 +52,14 @@ def assess_file(path: Path, out: Path | None, samples: Any = 4096, seed: Any = 1
     if out:
         operating = charts(found.draw)
         with replacing(*files) as (page, data, verdict):
-            write_text(report(found, operating), page)
+            with us_units_too(us):
+                write_text(report(found, operating), page)
             write_dataset(dataset(found, operating), data)
             write_json(result, verdict)
-    return result
+    if not us:
+        return result
+    with us_units_too():
+        return {**result, "brief": brief(found)}
 
 
 def _of_statics(sheet: Sheet) -> dict[str, Any]:

@@ -2,6 +2,9 @@
 
 import math
 import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -73,11 +76,33 @@ _PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, 
 _PREFIXED = ("N", "m", "m/s", "Hz", "N s", "N/m", "N m/rad", "s", "N m", "W")
 
 
-def shown(value: float | None, unit: str) -> str:
+_us_too = ContextVar("_us_too", default=False)
+
+
+@contextmanager
+def us_units_too(wanted: bool = True) -> Iterator[None]:
+    """Show every quantity in US units, too, behind the SI ones: 1.79 N m (15.8 lbf·in)."""
+    before = _us_too.set(wanted)
+    try:
+        yield
+    finally:
+        _us_too.reset(before)
+
+
+def shown(value: float | None, unit: str, inner: bool = False) -> str:
     """Return a quantity in SI units with a prefix where one is usual, rad and rad/s in degrees and rpm, Pa in MPa.
 
     ``unit`` in the spelling of datasets (``N m s rad-1``) or of people; an empty text or 1 for plain numbers.
+    ``inner``: where it stands in parentheses, and its US units, if they are wanted, in brackets.
     """
+    size, name = _WORDS["us_units"].get(re.sub(r" (\w+)-1$", r"/\1", unit), (0.0, ""))
+    if not (_us_too.get() and size and value and math.isfinite(value)):
+        return _in_si(value, unit)
+    ends = "[]" if inner else "()"
+    return f"{_in_si(value, unit)} {ends[0]}{_figure(value / size)} {name}{ends[1]}"
+
+
+def _in_si(value: float | None, unit: str) -> str:
     if value is None:
         return "–"
     if math.isinf(value):
@@ -99,9 +124,9 @@ def shown(value: float | None, unit: str) -> str:
     return f"{_figure(value)} {unit}"
 
 
-def size(value: float | None, unit: str) -> str:
+def size(value: float | None, unit: str, inner: bool = False) -> str:
     """Return a quantity in words; a torque against threads that jam is infinite."""
-    return "any (it jams)" if value is not None and math.isinf(value) else shown(value, unit)
+    return "any (it jams)" if value is not None and math.isinf(value) else shown(value, unit, inner)
 
 
 def percent(value: float | None) -> str:
