@@ -19,7 +19,7 @@ _TABLES = read_yaml(Path(__file__).with_name("threads.yaml"))
 _N = r"(\d+(?:\.\d+)?|\.\d+)"
 _SIZE, _STARTS = (
     rf"((?:\d[ -])?\d{{1,2}}/\d{{1,2}}|{_N[1:-1]})[ -]*(?:in|\")? ?-",
-    r"(?: ?[x-]? ?\(?([1-9]) ?-?starts?\)?)?",
+    r"(?: ?[x,-]? ?\(?([1-9]) ?-?starts?\)?)?",
 )
 _ISO = re.compile(rf"M ?{_N}(?: ?[x-] ?{_N})?", re.IGNORECASE)
 _TRAPEZOID = re.compile(rf"Tr? ?{_N}(?: ?x ?{_N}(?: ?\(?P ?{_N}\)?)?{_STARTS})?", re.IGNORECASE)
@@ -64,7 +64,7 @@ def thread_size(name: object) -> ThreadSize:
                 raise NotQuantity(f"= {shown(name)} {error}") from None
     if match := _BALL.fullmatch(text):
         raise NotQuantity(
-            f"= {shown(name)} is no sliding thread; a ball screw is given by thread.lead = {match[2]} mm, "
+            f"= {shown(name)} is no sliding thread, as Tr would be; a ball screw has thread.lead = {match[2]} mm, "
             f"thread.pitch_diameter = {match[1]} mm or what its maker states, and friction.efficiency or coefficient"
         )
     raise NotQuantity(

@@ -24,7 +24,7 @@ _SIGNS = str.maketrans("−–⁄×⋅•′’”″μ", "--/x··''\"\"µ")
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _TENS = re.compile(rf"({_NUMBER})\s*[x*·]\s*10(?:(?:\^|\*\*)\(?([+-]?\d\d?)\)?|([+-]\d\d?))(?!\d)")  # 54 x 10^-7, 10-7
 _FRACTION = re.compile(r"(?:(\d{1,3})[\s-]+)?(\d{1,3})/([1-9]\d{0,2})(?=\s*[A-Za-z\"'])")  # 1/2 inch, 1-1/2"
-_PER_INCH = re.compile(r"([1-9]\d{0,2}(?:\.\d+)?)\s*(?:tpi|threads?(?:/| per )in(?:ch)?)", re.IGNORECASE)
+_PER_INCH = re.compile(r"([1-9]\d{0,2}(?:\.\d+)?)\s*(?:tpi|threads?/in(?:ch)?)", re.IGNORECASE)
 _ANGLE = re.compile(r"(\d+)\s*°\s*(\d+(?:\.\d+)?)\s*'(?:\s*(\d+(?:\.\d+)?)\s*\")?")  # 4°02'
 _TEXT = re.compile(rf"({_NUMBER})\s*([^\d\s+\-][^+]*|1/[^\d+]+)?", re.ASCII)
 
@@ -32,7 +32,7 @@ _TEXT = re.compile(rf"({_NUMBER})\s*([^\d\s+\-][^+]*|1/[^\d+]+)?", re.ASCII)
 def plain(text: str) -> str:
     """Return a text with one sign of each kind: ² is 2, × is x, − is -, ″ and '' are ", and ½ is 1/2."""
     text = unicodedata.normalize("NFKC", re.sub("[¼½¾⅛⅜⅝⅞]", r" \g<0>", text))
-    return " ".join(text.translate(_SIGNS).replace("''", '"').split())
+    return " ".join(text.translate(_SIGNS).replace("''", '"').split()).replace(" per ", "/")
 
 
 def split(text: str) -> tuple[str, str] | None:
