@@ -64,8 +64,7 @@ def quantity(value: Any, *units: str) -> tuple[float, str]:
 
     ``value`` is text such as ``5 mm``, or a plain number where one of the units is empty. The radian counts as a
     dimension of its own where pint would drop it: an angle needs an angular unit, a number must not have one. A lead,
-    ``m/turn``, comes back in m. Raises ``NotQuantity`` with the end of a sentence, such as ``is not a length, such as
-    5 mm``.
+    ``m/turn``, comes back in m. Raises ``NotQuantity`` with the end of a sentence, such as ``is not a length``.
     """
     text = plain(str(value))
     if units[0] == "m/turn":
@@ -100,9 +99,8 @@ def _is_taken(text: str, units: tuple[str, ...]) -> bool:
 
 
 def _converted(figure: float, unit: str, units: tuple[str, ...], value: Any) -> tuple[float, str]:
-    registry, several = _registry(), readings(unit)
+    registry, several, known = _registry(), readings(unit), False
     found: dict[str, tuple[float, str, str]] = {}
-    known = False
     for text in several:
         try:
             given = registry.Quantity(figure, registry.parse_units(text))

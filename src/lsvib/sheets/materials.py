@@ -43,14 +43,15 @@ def common_name(name: Any) -> Any:
     return _ALSO.get(plain, plain if plain in NUT_MATERIALS else name)
 
 
-def pairings(nut: Any, screw: Any) -> list[str]:
-    """Return the names of :data:`PAIRINGS` for a nut of one material on a screw of another, steel if it is not given.
+def pairings(nut: Any, screw: Any) -> dict[str, list[float]]:
+    """Return the names of :data:`PAIRINGS` for a nut of one material on a screw of another (steel), with their ranges.
 
     >>> pairings("leaded_tin_bronze", None)
-    ['steel_on_bronze_dry', 'steel_on_bronze_lubricated']
+    {'steel_on_bronze_dry': [0.4, 0.4], 'steel_on_bronze_lubricated': [0.15, 0.15]}
     """
     nut, screw = common_name(nut), common_name(screw)
     if not isinstance(nut, str) or screw not in (None, "steel", "stainless steel"):
-        return []
+        return {}
     kind = "bronze" if nut.endswith("bronze") else nut
-    return [name for name in PAIRINGS if f"{name.removeprefix('steel_on_')}_".startswith(f"{kind}_")]
+    found = {name: one for name, one in PAIRINGS.items() if f"{name.removeprefix('steel_on_')}_".startswith(f"{kind}_")}
+    return {name: [one.low, one.high] for name, one in found.items()}

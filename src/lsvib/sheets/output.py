@@ -56,10 +56,8 @@ def assess_file(path: Path, out: Path | None, samples: Any = 4096, seed: Any = 1
                 write_text(report(found, operating), page)
             write_dataset(dataset(found, operating), data)
             write_json(result, verdict)
-    if not us:
-        return result
-    with us_units_too():
-        return {**result, "brief": brief(found)}
+    with us_units_too(us):
+        return {**result, "brief": brief(found)} if us else result
 
 
 def _of_statics(sheet: Sheet) -> dict[str, Any]:
@@ -75,6 +73,7 @@ def _of_statics(sheet: Sheet) -> dict[str, Any]:
         "brief": [line for line in (sentence, *of_statics(found), said("nut", sheet), said("curve", curve)) if line],
         "statics": _statics_json(found),
         "friction_curve": curve,
+        "pairings": sheet.pairings,
         "assumptions": dict(sheet.assumptions),
         "sources": dict(sheet.sources),
     }
@@ -90,6 +89,7 @@ def as_json(assessment: Assessment) -> dict[str, Any]:
         "brief": brief(assessment),
         "statics": _statics_json(assessment.statics),
         "friction_curve": of_curve(assessment.draw),
+        "pairings": assessment.draw.sheet.pairings,
         "self_locking": assessment.efficiency["lowering"] is None,
         "self_locking_probability": assessment.uncertainty.holds.value,
         "efficiency": {**assessment.efficiency, "lifting_range": list(assessment.uncertainty.lifting)},

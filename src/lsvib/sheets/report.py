@@ -15,7 +15,6 @@ import numpy as np
 from jinja2 import Environment
 
 from lsvib.drives import friction
-from lsvib.drives.pairings import PAIRINGS
 from lsvib.errors import InputError
 from lsvib.files import write_json, write_text
 from lsvib.sheets import pictures, words
@@ -26,7 +25,7 @@ from lsvib.sheets.draw import Draw
 from lsvib.sheets.fields import Spread
 from lsvib.sheets.formulas import FRICTION, sliding_speed
 from lsvib.sheets.from_rest import BEYOND
-from lsvib.sheets.materials import NUT_MATERIALS, pairings
+from lsvib.sheets.materials import NUT_MATERIALS
 from lsvib.sheets.statics import Statics, lets_go
 from lsvib.sheets.threads import ThreadSize
 from lsvib.sheets.words import shown
@@ -43,7 +42,6 @@ def _templates(html: bool) -> Environment:
     found = words.environment(html)
     found.globals |= vars(words) | {"EFFORTS": EFFORTS, "BEYOND": BEYOND, "POOR": POOR, "drops": drops, "inf": math.inf}
     found.globals |= {"pictures": pictures, "said": said, "of_curve": of_curve, "NUT_MATERIALS": NUT_MATERIALS}
-    found.globals |= {"pairings_for": pairings, "PAIRINGS": PAIRINGS}
     return found
 
 

@@ -424,6 +424,11 @@ class Sheet(Part):
         return self.nut is not None and self.nut.preload is not None and self.nut.preload.high > 0
 
     @property
+    def pairings(self) -> dict[str, list[float]]:
+        """Friction by name for the materials of nut and screw, where the sheet names none, with its range."""
+        return pairings(self.nut and self.nut.material, self.screw.material) if self.friction.pairing is None else {}
+
+    @property
     def dry(self) -> bool:
         """Whether bearing, collar or guide rub."""
         return self.guide is not None or self.bearing.torque is not None or self.bearing.collar is not None
