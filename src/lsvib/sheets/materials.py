@@ -39,8 +39,8 @@ _ALSO = {other: name for name, others in _TABLE["also"].items() for other in oth
 
 def common_name(name: Any) -> Any:
     """Return the name of a material in the tables for another one, such as acetal for POM, if there is one."""
-    plain = re.sub(r"[\s-]+", "_", name.strip().lower()) if isinstance(name, str) else name
-    return _ALSO.get(plain, plain if plain in NUT_MATERIALS else name)
+    plain = re.sub(r"[\s-]+", "_", str(name).strip().lower())
+    return _ALSO.get(plain, plain if plain in NUT_MATERIALS | SCREW_MATERIALS else name)
 
 
 def pairings(nut: Any, screw: Any) -> dict[str, list[float]]:
