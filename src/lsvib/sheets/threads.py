@@ -82,7 +82,8 @@ def _trapezoidal(size: str, named: str | None, own: str | None, count: str | Non
     elif starts:  # the number before them may be the lead, as in the standard, or the pitch
         fits = [(one, one / starts) for one in {lead, lead * starts} if one / starts in pitches]
     elif lead:
-        fits = [(lead, lead)] if lead in pitches else [(lead, p) for p in pitches if lead / p in (2, 3, 4)]
+        fits = [(lead, p) for p in pitches if lead / p in ((1,) if lead in pitches else range(2, 9))]
+        fits = [] if len(fits) == 1 and lead > 4 * fits[0][1] else fits
     else:
         fits = [(p, p) for p in pitches] + [(4 * p, p) for p in pitches[1:2]]
     if len(fits) > 1:
@@ -102,20 +103,18 @@ def _trapezoidal(size: str, named: str | None, own: str | None, count: str | Non
 
 
 def _of_inches(series: set[str], size: str, threads: str, starts: str | None) -> ThreadSize:
-    """A thread of so many per inch, Acme or Unified by its series, or by the only table that has it."""
-    pitch, inches = 1 / int(threads), _inches(size)
+    """A thread of so many per inch, Acme or Unified by its series, or Acme if its size is one of the standard."""
+    pitch, inches, count = 1 / int(threads), _inches(size), int(starts or 1)
     size = next((known for known in _TABLES["unified"] | _TABLES["acme"] if abs(_inches(known) - inches) < 1e-3), size)
-    if int(starts or 1) > 1:  # threads, or turns per inch
-        names = [f"Acme {size}-{p:.6g}P-{int(starts or 1) * p:.6g}L" for p in (pitch, pitch / int(starts or 1))]
-        raise NotQuantity(f"may be several threads; write {' or '.join(names)}: pitch, then lead in inches")
-    if not series - {"ACME"} and _TABLES["acme"].get(size) == int(threads):
-        return _acme(size, str(pitch), str(pitch))
-    if "ACME" not in series and int(threads) in _TABLES["unified"].get(size, ()):
+    kind = dict(zip(_TABLES["unified"].get(size, ()), ("UNC", "UNF"), strict=False)).get(int(threads))
+    if count == 1 and kind in series:
         return _sixty_degrees(25.4 * inches, 25.4 * pitch)
-    like = f"Acme {size}-{pitch:.6g}P-{pitch:.6g}L"
-    raise NotQuantity(
-        f"is not in the catalogue; Acme with another pitch has pitch and lead in its name, such as {like}"
-    )
+    if count == 1 and series <= {"ACME"} and _TABLES["acme"].get(size) == int(threads):
+        return _acme(size, str(pitch), str(pitch))
+    names = [f"{size}-{threads} {kind}"] if kind and count == 1 and not series else []
+    own = (pitch,) if count == 1 else (pitch, pitch / count)  # so many threads, or turns, per inch
+    names += [f"Acme {size}-{p:.6g}P-{count * p:.6g}L" for p in own]
+    raise NotQuantity(f"is not in the catalogue; write {' or '.join(names)}, with pitch P and lead L in inches")
 
 
 def _acme(size: str, own: str, named: str) -> ThreadSize:
