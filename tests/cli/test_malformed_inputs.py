@@ -187,7 +187,7 @@ PYTHON = [
     (lambda: lsvib.Drive(mass=None), "is not a number"),
     (lambda: lsvib.Drive(mas=1), UNKNOWN),
     (lambda: threads_drive(screw_mass=1), "needs support_stiffness as well"),
-    (lambda: lsvib.Drive().simulate({"u": 0, "w": 0}, 1, outputs=["nut_speed"]), "outputs"),
+    (lambda: lsvib.Drive().simulate({"u": 0, "w": 0}, 1, outputs=["axial_contact_force"]), "outputs"),
     (lambda: threads_drive().basin(), "rigid drives without friction"),
     (lambda: lsvib.Drive().attraction({"u": (0, 1), "w": (0, 1, 4)}), "axis u has 2 numbers"),
     (lambda: lsvib.Drive().attraction(GRID, workers="many"), "workers = 'many'"),

@@ -66,12 +66,15 @@ def test_a_scene_with_a_command():
     """Start, ramp and stop: speed follows, rests at both ends; an end is told where the command comes to the speed."""
     drive = lsvib.Drive(static_friction_coefficient=0.3)
     motion = drive.simulate(
-        "rest", 1.2, command={"times": [0.1, 0.3, 0.7, 0.9], "speeds": [0, 40, 40, 0]}, outputs=("screw_speed",)
-    )
+        "rest", 1.2, command={"times": [0.1, 0.3, 0.7, 0.9], "speeds": [0, 40, 40, 0]},
+        outputs=("screw_speed", "load_place", "load_speed"),
+    )  # fmt: skip
     assert not [name for name in motion if "clock" in name]
     assert "less the constant input_speed" in motion.comment
     speed, commanded, time = (motion[name].values for name in ("screw_speed", "commanded_speed", "time"))
     np.testing.assert_allclose(commanded, np.interp(time, [0.1, 0.3, 0.7, 0.9], [0, 40, 40, 0]), atol=1e-12)
+    place, mean = motion.load_place.values, 0.5 * (motion.load_speed.values[1:] + motion.load_speed.values[:-1])
+    np.testing.assert_allclose(np.cumsum(mean * np.diff(time)), place[1:] - place[0], atol=1e-3 * np.ptp(place))
     assert not speed[(time < 0.1) | (time > 1.0)].any()
     assert np.abs(speed - commanded)[(time > 0.5) & (time < 0.7)].max() < 0.3
     scene = {"drive": drive, "start": "rest", "duration": 1.0}

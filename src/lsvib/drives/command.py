@@ -64,6 +64,14 @@ class Command(BaseModel):
                 yield duration, self.speeds[k], (self.speeds[k + 1] - self.speeds[k]) / duration
         yield np.inf, self.speeds[-1], 0.0
 
+    def angle(self, times: Any) -> np.ndarray:
+        """Return the commanded angle [rad] at times [s], from zero at t = 0."""
+        begun, found = 0.0, np.zeros(np.shape(times))
+        for duration, speed, rate in self.pieces():
+            stay = np.clip(times - begun, 0.0, duration)
+            found, begun = found + stay * (speed + 0.5 * rate * stay), begun + duration
+        return found
+
     def at(self, times: Any) -> np.ndarray:
         """Return the commanded speed [rad/s] at times [s]; at a jump, that after it."""
         known, speeds, times = np.array(self.times), np.array(self.speeds), np.asarray(times, dtype=float)

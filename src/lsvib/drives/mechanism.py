@@ -83,7 +83,8 @@ class Mechanism:
     ``states`` names the coordinates, ``place`` says where the displacement of a part stands among them. Of slide and
     bearing ``limits`` are the frictions in sliding [N, N m], ``holding`` those at rest; ``own`` are those whose body
     may slide or be held while the threads slip: elsewhere its speed is that of the slip.
-    ``speed`` is the row of θ′, ``slip`` that of ω, ``nut_speed`` that of x′, ``deflection`` that of z, ``commanded``
+    ``speed`` is the row of θ′, ``slip`` that of ω, ``nut_speed`` that of x′, ``nut_place`` that of x less its value in
+    steady sliding, ``sliding`` that of the speed at which the threads slide, ``deflection`` that of z, ``commanded``
     that of Ω(t), ``away`` that of u′; ``force`` [N] and ``steady_law``, s_0, are those of steady sliding; ``sides``:
     the signs of n at rest, or 0 alone where it is constant; ``compliant``: whether the threads are; ``idle``: whether
     they have neither friction nor a force to carry, as those of a body behind a spring, so that n is not felt;
@@ -135,6 +136,7 @@ class Mechanism:
         self.away = plus(self.speed, scaled(self.commanded, -1))  # u′
         rates = self.rates(True, ())
         self.slip, self.nut_speed = self._slip(rates), self._travel(rates)
+        self.sliding = scaled(self.slip, d.pitch_radius / d.cos_lead)
         self.coupling_torque = plus(self.wound(rates), self.constant(self.steady_torque))
 
     def constant(self, value: Any) -> Row:
@@ -144,6 +146,24 @@ class Mechanism:
     def unit(self, place: int, value: Any = 0) -> Row:
         """Return the row of a coordinate, and a constant."""
         return (*self._zeros[:place], 1, *self._zeros[place + 1 :], value)
+
+    @cached_property
+    def nut_place(self) -> Row:
+        """The row of x less its value in steady sliding."""
+        places = {part: self.unit(self.place[part]) for part in self.parts}
+        return plus(self._travel(places), self.constant(-self.compression))
+
+    @property
+    def compression(self) -> Any:
+        """The mismatch e [m] of compliant threads in steady sliding, by N_0; else zero."""
+        return self.steady_normal_force / (self.d.cos_lead * self.d.contact_stiffness) if self.compliant else 0
+
+    def rubbing(self, mode: Solution) -> Row:
+        """Return the row of what friction adds to the torque of the threads, τ + r_m tan λ n: of slip ω it takes that.
+
+        At rest it is what holds, with the shares of bearing and guide that cannot be told from that of the threads.
+        """
+        return plus(mode.torque, self.constant(self.twist), scaled(mode.contact, self.reach))
 
     @cached_property
     def sizes(self) -> tuple[Any, ...]:

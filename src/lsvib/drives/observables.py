@@ -16,13 +16,15 @@ class Observable:
     """A quantity: ``words`` are its long name, unit and symbol, ``row`` gives it in a mode of a mechanism.
 
     ``rubbed``: whether friction of the threads changes it at a given state; under a friction law such a quantity has a
-    share that goes with the coefficient. ``rigid``: whether scenes of rigid drives may ask for it, too.
+    share that goes with the coefficient. ``rigid``: whether scenes of rigid drives may ask for it, too. ``carried``:
+    whether it counts from where the command has carried it, which scenes add, so that a cycle of it closes.
     """
 
     words: tuple[str, str, str]
     row: Callable[[Mechanism, Solution], Row]
     rubbed: bool = False
     rigid: bool = True
+    carried: bool = False
 
 
 TABLE = {
@@ -33,8 +35,11 @@ TABLE = {
     "coupling_torque": Observable(("torque of the coupling", "N m", "$T_r$"), lambda m, _: m.coupling_torque),
     "coupling_deflection": Observable(("coupling deflection", "rad", "$z$"), lambda m, _: m.deflection),
     "screw_speed": Observable(("angular speed of the screw", "rad s-1", r"$\dot\theta$"), lambda m, _: m.speed),
-    "nut_speed": Observable(
-        ("speed of the nut along the axis", "m s-1", r"$\dot x$"), lambda m, _: m.nut_speed, rigid=False
+    "load_place": Observable(("place of the load", "m", "$x$"), lambda m, _: m.nut_place, carried=True),
+    "load_speed": Observable(("speed of the load", "m s-1", r"$\dot x$"), lambda m, _: m.nut_speed),
+    "sliding_speed": Observable(("sliding speed of the threads", "m s-1", "$v$"), lambda m, _: m.sliding),
+    "friction_torque": Observable(
+        ("friction torque of threads and collar", "N m", "$T_f$"), lambda m, mode: m.rubbing(mode), rubbed=True
     ),
 }
 

@@ -12,9 +12,9 @@ from lsvib.systems.exact.arithmetic import doubles, many_digits, sign
 
 def seated(mechanism: Mechanism) -> np.ndarray:
     """Return the state of steady sliding: compliant threads are compressed by N_0, all else is measured from it."""
-    state, d = [0] * len(mechanism.states), mechanism.d
+    state = [0] * len(mechanism.states)
     if mechanism.compliant:
-        state[mechanism.place["threads"]] = mechanism.steady_normal_force / (d.cos_lead * d.contact_stiffness)
+        state[mechanism.place["threads"]] = mechanism.compression
     return doubles(state, (len(state),))
 
 

@@ -162,7 +162,7 @@ def _of_cycle(drive: Drive, orbit: Motion, row: NDArray[np.float64]) -> dict[str
     return {
         "frequency": 1 / orbit.end_time,
         "amplitude": 0.5 * (high - low),
-        "load_speed": _extremes(orbit, "nut_speed"),
+        "load_speed": _extremes(orbit, "load_speed"),
         "screw_speed": _extremes(orbit, "screw_speed"),
         "peak_contact_force": max(map(abs, _extremes(orbit, "normal_force"))),
         "peak_impulse": float(impulses.max(initial=0.0)),
