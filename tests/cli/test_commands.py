@@ -161,7 +161,15 @@ def test_a_sweep_and_its_file_are_those_of_the_drive(run):
     assert result["points_per_second"] > 0
     expected = SLIDING.sweep(axial_force=np.linspace(1, 60, 30), mass=np.linspace(1, 2, 2))
     assert lsvib.open("s.nc").drop_attrs().identical(expected.drop_attrs())
-    assert "points per second" in run(*arguments)[1]
+    assert [row["amplitude"] for row in result["rows"]] == expected.amplitude.values.ravel().tolist()
+    assert {None} == {row["period"] for row in result["rows"] if row["behaviour"] == "no_vibration"}
+    text = run(*arguments, "--out", "s.csv")[1]
+    assert text.splitlines()[1].split()[:3] == ["axial_force", "[N]", "behaviour"]
+    assert "\n14 points between these are left out; " in text
+    assert "points per second" in text
+    heading, *rows = Path("s.csv").read_text().splitlines()
+    assert heading.startswith("axial_force [N],attractor,amplitude [rad],period [s],multiplier,peak_normal_force [N],")
+    assert (len(rows), rows[0][:24]) == (30, "1.0,steady_sliding,0.0,,")
 
 
 def test_cycles_and_follow(run):

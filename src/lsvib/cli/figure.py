@@ -7,7 +7,7 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 
 from lsvib.cli.app import app, show
-from lsvib.cli.options import AsJson, Changes, Files, refuse_results_of_the_workflow
+from lsvib.cli.options import AsJson, Changes, Files, refuse_results_of_the_workflow, require_folder
 from lsvib.errors import InputError, LsvibError
 
 _FILES = (".nc", "_checks.json", ".png", ".pdf")  # ends of names, after that of the figure
@@ -58,6 +58,7 @@ def figure(
     from lsvib.drives.scene import read_yaml
     from lsvib.files import check_outputs, replacing
 
+    require_folder(out, "dataset, checks, PNG and PDF")
     name = _name(number)
     here = Path("config/config.yaml")
     config = config or (here if here.is_file() else DEFAULT)

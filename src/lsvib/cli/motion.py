@@ -19,24 +19,28 @@ def simulate(
     start: options.Start = None,
     duration: Annotated[float | None, Parameter(help="Time [s] that the motion is followed.")] = None,
     samples: Annotated[options.Whole | None, Parameter(help="Number of output times, both ends included.")] = None,
+    outputs: Annotated[
+        list[str] | None, Parameter(help="Observables to write.", consume_multiple=True, negative="")
+    ] = None,
     figure: options.Picture = None,
     as_json: options.AsJson = False,
 ) -> None:
-    """Simulate a drive exactly and write its motion and events as netCDF.
+    """Simulate a drive exactly and write its motion and events.
 
     Examples of use:
 
         lsvib simulate --set mass=11 --set support_damping=1e-3 --set axial_force=-10 --start u=0.1 w=0
         --duration 0.5 --out motion.nc
 
-        lsvib simulate --set static_friction_coefficient=0.4 --start rest --duration 1 --out motion.nc
+        lsvib simulate --set static_friction_coefficient=0.4 --start rest --duration 1 --out motion.csv
+        --outputs load_place load_speed friction_torque
 
         lsvib simulate --scene scene.yaml --samples 5000 --out motion.nc --figure motion.png --json
     """
     from lsvib.answers.motion import Simulation, as_scene
 
     files = options.Files(out, figure, reads=scene)
-    given = {"duration": duration, "samples": samples, "start": options.start_of(start)}
+    given = {"duration": duration, "samples": samples, "start": options.start_of(start), "outputs": outputs}
     stated = {key: value for key, value in given.items() if value is not None}
     found = Simulation.of(as_scene(scene, stated, dict(changes or ())))
     files.write(found.file(), "lsvib.simulate")
@@ -67,7 +71,7 @@ def sweep(
 
         lsvib sweep --set mass=9 --over contact_damping=1:1e9:30 --over contact_stiffness=1e4:1e9:30
     """
-    from lsvib.answers.sweep import summary, text
+    from lsvib.answers.sweep import rows, summary, text
 
     files = options.Files(out, figure)
     if figure and len(over) > 2:
@@ -79,7 +83,7 @@ def sweep(
     )
     result = summary(found, perf_counter() - begin)
     files.write(found)
-    show(result, as_json, text(result))
+    show(result | {"rows": rows(found)} if as_json else result, as_json, text(result, found), out)
 
 
 @app.command
@@ -125,4 +129,4 @@ def follow(
     chosen = listed[whole_between("cycle", cycle, 1, len(listed)) - 1]
     branch = made.follow(chosen, *over, points=points, progress=ProgressLine("points"))
     files.write(branch_dataset(branch))
-    show(branch_json(branch), as_json, branch_text(branch))
+    show(branch_json(branch), as_json, branch_text(branch), out)

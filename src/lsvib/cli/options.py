@@ -119,7 +119,7 @@ Changes = Annotated[
     list[Pair] | None, several(_pair, "KEY=VALUE: change a parameter of the drive; repeatable.", name="--set")
 ]
 SceneFile = Annotated[Path | None, Parameter(help="YAML file of a scene to start from.")]
-OutFile = Annotated[Path, Parameter(help="netCDF file to write; one that is there is replaced.")]
+OutFile = Annotated[Path, Parameter(help="File to write: netCDF (.nc), or its table alone (.csv).")]
 Picture = Annotated[Path | None, Parameter(help="PNG file to draw it to; a PDF is written beside it.")]
 AsJson = Annotated[bool, Parameter(name="--json", negative="", help="Print one JSON object.")]
 
@@ -151,6 +151,12 @@ def values_of(over: list[Steps]) -> "dict[str, np.ndarray]":
     }
 
 
+def require_folder(out: Path | None, files: str) -> None:
+    """Refuse the name of a file where a folder for several ``files`` is meant; raises ``InputError``."""
+    if out is not None and out.suffix in (".csv", ".nc", ".json", ".html", ".png", ".pdf", ".yaml"):
+        raise InputError(f"out = {out} is the name of a file; this command writes {files} to a folder.")
+
+
 def refuse_results_of_the_workflow(*files: Path | None) -> None:
     """Refuse files in the folders below ``results`` of the workflow, which could not distinguish them from its own.
 
@@ -177,14 +183,18 @@ class Files:
         self.out, self.figure = out, figure
         self.paths = [path for path in (out, figure, figure and figure.with_suffix(".pdf")) if path]
         check_outputs(self.paths, [reads] if reads else [])
+        if out is not None and out.suffix not in (".nc", ".csv"):
+            raise InputError(f"out = {out} does not end in .nc, for netCDF, or .csv, for a table.")
 
     def write(self, dataset: "xr.Dataset", command: str = "lsvib") -> None:
         """Write a dataset, and the picture of it."""
-        from lsvib.answers.io import write_dataset
+        from lsvib.answers.io import write_dataset, write_table
         from lsvib.files import replacing
 
         with replacing(*self.paths) as parts:
-            if self.out:
+            if self.out and self.out.suffix == ".csv":
+                write_table(dataset, parts[0])
+            elif self.out:
                 write_dataset(dataset, parts[0], command)
             if self.figure:
                 from lsvib.pictures.answers import draw

@@ -9,7 +9,7 @@ from typing import Annotated, Literal
 from cyclopts import Parameter
 
 from lsvib.cli.app import app, show
-from lsvib.cli.options import AsJson, Whole, refuse_results_of_the_workflow
+from lsvib.cli.options import AsJson, Whole, refuse_results_of_the_workflow, require_folder
 from lsvib.errors import InputError
 from lsvib.numbers import whole_between
 
@@ -42,6 +42,7 @@ def fit(
 
         lsvib fit examples/measured_screw/measured_screw.yaml --out fitted
     """
+    require_folder(out, "fit.nc, fit.json, fit.png, fit.pdf and friction.yaml")
     refuse_results_of_the_workflow(out and out / "fit.nc")
     with _installed("fit", "assess"):
         from lsvib.sheets.fit_output import fit_file, text_of
