@@ -21,6 +21,8 @@ from .results import Quantity as Quantity
 from .results import StabilityReport as StabilityReport
 from .results import Threshold as Threshold
 from .results import ThresholdSolution as ThresholdSolution
+from .sheets.fit_output import fit as fit
+from .sheets.output import assess as assess
 from .systems.attractor import Attractor as Attractor
 from .systems.attractor import SteadyState as SteadyState
 from .systems.continuation import CycleBranch as CycleBranch

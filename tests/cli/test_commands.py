@@ -161,11 +161,11 @@ def test_a_sweep_and_its_file_are_those_of_the_drive(run):
     assert result["points_per_second"] > 0
     expected = SLIDING.sweep(axial_force=np.linspace(1, 60, 30), mass=np.linspace(1, 2, 2))
     assert lsvib.open("s.nc").drop_attrs().identical(expected.drop_attrs())
-    assert [row["amplitude"] for row in result["rows"]] == expected.amplitude.values.ravel().tolist()
-    assert {None} == {row["period"] for row in result["rows"] if row["behaviour"] == "no_vibration"}
+    assert [row["amplitude [rad]"] for row in result["rows"]] == expected.amplitude.values.ravel().tolist()
+    assert {None} == {row["period [s]"] for row in result["rows"] if row["behaviour"] == "no_vibration"}
     text = run(*arguments, "--out", "s.csv")[1]
     assert text.splitlines()[1].split()[:3] == ["axial_force", "[N]", "behaviour"]
-    assert "\n14 points between these are left out; " in text
+    assert "\n14 rows between these are left out; " in text
     assert "points per second" in text
     heading, *rows = Path("s.csv").read_text().splitlines()
     assert heading.startswith("axial_force [N],attractor,amplitude [rad],period [s],multiplier,peak_normal_force [N],")

@@ -10,8 +10,8 @@ import yaml
 from references.random_sheets import random_sheet
 from references.sizes import sizes
 
+import lsvib
 from lsvib.errors import InputError
-from lsvib.sheets.output import assess_file
 
 NUMBER = re.compile(r"−?\d+(?:\.\d+)?(?: × 10⁻?[⁰¹²³⁴⁵⁶⁷⁸⁹]+)?")
 FACTORS = (1.0, 100.0, 30 / math.pi, 180 / math.pi, *(10.0**k for k in (-9, -6, -3, 3, 6, 9)))
@@ -75,7 +75,7 @@ def answered(path, out=None):
     """Assess a sheet; a refusal is one sentence, an answer has no number that is not in the JSON."""
     begin, refusal = time.process_time(), ""
     try:
-        found = assess_file(path, out)
+        found = lsvib.assess(path, out)
     except InputError as error:
         refusal = str(error)
     if refusal:

@@ -20,7 +20,6 @@ from lsvib.sheets import pictures
 from lsvib.sheets.assessment import assess
 from lsvib.sheets.chart import KINDS, charts
 from lsvib.sheets.operation import Operation
-from lsvib.sheets.output import assess_file
 from lsvib.sheets.report import compare
 from lsvib.sheets.sheet import Sheet
 from lsvib.sheets.vibration import STRONG
@@ -32,7 +31,7 @@ EXAMPLES = Path(__file__).parents[2] / "examples"
 @pytest.fixture(scope="module")
 def seat(tmp_path_factory):
     out = tmp_path_factory.mktemp("seat")
-    return out, assess_file(EXAMPLES / "powered_seat.yaml", out, samples=1024)
+    return out, lsvib.assess(EXAMPLES / "powered_seat.yaml", out, samples=1024)
 
 
 def test_the_json_file_has_the_verdict(seat):
@@ -79,7 +78,7 @@ def test_the_dataset_holds_chart_and_motions(seat):
 @pytest.mark.slow
 def test_drives_are_compared_in_one_table(seat, tmp_path):
     """The most likely to vibrate first, each with a link to its report; a damaged file is refused."""
-    assess_file(EXAMPLES / "linear_actuator.yaml", tmp_path / "linear_actuator", samples=64)
+    lsvib.assess(EXAMPLES / "linear_actuator.yaml", tmp_path / "linear_actuator", samples=64)
     shutil.copytree(seat[0], tmp_path / "seat")
     verdicts = [tmp_path / name / "assessment.json" for name in ("linear_actuator", "seat")]
     compare(verdicts, tmp_path / "index.html", tmp_path / "comparison.json")

@@ -6,11 +6,11 @@ import re
 import numpy as np
 import pytest
 
+import lsvib
 from lsvib.drives.mechanics import holding_coefficient, relieved_half, thread_force
 from lsvib.errors import InputError
 from lsvib.sheets.assessment import assess
 from lsvib.sheets.draw import Draw
-from lsvib.sheets.output import assess_file
 from lsvib.sheets.report import of_statics, report
 from lsvib.sheets.sheet import Sheet
 from lsvib.sheets.statics import lets_go, statics
@@ -250,7 +250,7 @@ def test_its_motion_is_refused_in_a_sentence(tmp_path):
         assess(sheet)
     path = tmp_path / "sheet.yaml"
     path.write_text(str(SHEET | drive | {"load": {"mass": "0.3 kg", "force": "2 N"}}))
-    found = assess_file(path, None)
+    found = lsvib.assess(path, None)
     assert found["verdict"] is None
     assert "preloaded nut" in found["brief"][0]
 

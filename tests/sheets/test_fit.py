@@ -17,7 +17,6 @@ from lsvib.errors import InputError
 from lsvib.sheets.fit_output import as_json, blocks, flank_law, sentences
 from lsvib.sheets.fit_sheet import fit_sheet
 from lsvib.sheets.formulas import square_coefficient
-from lsvib.sheets.output import assess_file
 from lsvib.sheets.sheet import Friction
 from lsvib.sheets.torque.law import BREAKAWAY, Measured, fitted, halves, steady_torque
 from lsvib.sheets.torque.tables import Recording, steady_point
@@ -85,7 +84,7 @@ def test_the_jerks_of_the_measured_screw(screw, tmp_path):
     assert [float(end.split()[0]) for end in data["damping"]["rotational"]] == pytest.approx(told["bounds"], rel=1e-5)
     assert all(set(entry) == {"mean", "std"} for entry in [data["coupling"]["stiffness"], data["friction"]["static"]])
     (tmp_path / "sheet.yaml").write_text(yaml.safe_dump(data))
-    verdict = assess_file(tmp_path / "sheet.yaml", None, samples=64)
+    verdict = lsvib.assess(tmp_path / "sheet.yaml", None, samples=64)
     assert verdict["verdict"] == "jerks"
     assert verdict["from_rest"]["even_speed"] == pytest.approx(told["even_speed"], rel=0.02)
 

@@ -11,8 +11,9 @@ from references.measured import DIAMETER, LEAD
 from references.random_tables import one_load, random_measurement
 from references.sizes import sizes
 
+import lsvib
 from lsvib.errors import LsvibError
-from lsvib.sheets.fit_output import fit_file, text_of
+from lsvib.sheets.fit_output import text_of
 from lsvib.sheets.torque.law import FALL, PAIRS, Measured, fitted
 
 MOST = 10.0  # seconds for a sheet
@@ -23,7 +24,7 @@ def answered(folder, seed, index):
     path, begin = random_measurement(folder / str(index), seed, index), time.process_time()
     refusal = ""
     try:
-        found = fit_file(path, folder / str(index) / "out" if index % 10 == 0 else None)
+        found = lsvib.fit(path, folder / str(index) / "out" if index % 10 == 0 else None)
     except LsvibError as error:
         refusal = str(error)
     if refusal:

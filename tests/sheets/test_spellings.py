@@ -1,19 +1,21 @@
 """Quantities, threads, nuts as makers print them: what they are, and what is refused (spellings.yaml); US units."""
 
+import math
 import re
 from pathlib import Path
 
 import pytest
 import yaml
 
+import lsvib
 from lsvib.errors import InputError
-from lsvib.sheets.fields import NotQuantity, quantity, spread
-from lsvib.sheets.output import assess_file
+from lsvib.sheets.fields import NotQuantity, Spread, quantity
 from lsvib.sheets.sheet import Sheet
 from lsvib.sheets.statics import statics
 from lsvib.sheets.threads import thread_size
 
 TABLE = yaml.safe_load(Path(__file__).with_name("spellings.yaml").read_text(encoding="utf-8"))
+ANY_SIZE = (-math.inf, math.inf)
 GATE = {
     "name": "a gate", "thread": {"size": "Tr 30x6"}, "nut": {"length": '2"', "material": "POM"},
     "screw": {"length": "0.5 m", "ends": "fixed-free"}, "load": {"force": "500 lb"}, "operation": {"speed": "5 ipm"},
@@ -27,7 +29,7 @@ def test_quantities_are_read_as_they_are_printed(kind):
         low, high = (
             eval(str(one), {}, TABLE["definitions"]) for one in (value if isinstance(value, list) else [value, value])
         )
-        found = spread(text, kind, check=lambda *_: None)
+        found = Spread.of(text, dict.fromkeys((kind, kind.removesuffix("/turn")), ANY_SIZE))
         assert [found.low, found.high] == pytest.approx([low, high], rel=1e-12), text
         assert found.unit == kind.removesuffix("/turn")
 
@@ -35,7 +37,7 @@ def test_quantities_are_read_as_they_are_printed(kind):
 @pytest.mark.parametrize(("text", "kind", "words"), TABLE["refused"])
 def test_what_has_two_meanings_or_another_is_refused_and_what_is_offered_is_taken(text, kind, words):
     with pytest.raises(NotQuantity, match=re.escape(words)) as error:
-        spread(text, kind, check=lambda *_: None)
+        Spread.of(text, dict.fromkeys((kind, kind.removesuffix("/turn")), ANY_SIZE))
     for offer in str(error.value).partition("; write ")[2].split(" or "):
         assert not offer[:1].isdigit() or quantity(offer, kind)
 
@@ -55,7 +57,7 @@ def test_threads_are_known_by_the_names_that_are_printed_and_a_lead_is_never_gue
 
 def test_us_units_stand_beside_si_and_limits_that_are_not_known_are_said(tmp_path):
     (tmp_path / "gate.yaml").write_text(yaml.safe_dump(GATE), encoding="utf-8")
-    found, us = (assess_file(tmp_path / "gate.yaml", None, us=us) for us in (False, True))
+    found, us = (lsvib.assess(tmp_path / "gate.yaml", units=units) for units in ("si", "us"))
     torque = found["statics"]["lifting_torque"]["middle"]
     assert f"takes {torque:.3g} N m ({torque / 4.4482216152605 / 0.0254:.3g} lbf·in) and" in " ".join(us["brief"])
     assert {**us, "brief": 0} == {**found, "brief": 0}

@@ -7,12 +7,12 @@ import warnings
 import pytest
 import yaml
 
+import lsvib
 from lsvib.cli.app import run
 from lsvib.cli.pages import app
 from lsvib.sheets.assessment import assess
 from lsvib.sheets.draw import Draw
 from lsvib.sheets.materials import SCREW_MATERIALS
-from lsvib.sheets.output import assess_file
 from lsvib.sheets.report import brief, report
 from lsvib.sheets.sheet import Coupling, Friction, Nut, Screw, Sheet, Thread
 from lsvib.sheets.statics import ENDS, column_load, critical_speed, lets_go, nut_pressure, statics
@@ -258,7 +258,7 @@ def test_a_sizing_question_needs_no_dynamics(tmp_path):
     assert not whole.of_statics
     assert statics(alone) == statics(whole)
     (tmp_path / "a.yaml").write_text(yaml.safe_dump(given), encoding="utf-8")
-    found = assess_file(tmp_path / "a.yaml", None)
+    found = lsvib.assess(tmp_path / "a.yaml", None)
     assert found["verdict"] is None
     first = f"Whether it vibrates is not asked: the sheet does not give {missing}. No weight is counted."
     assert found["brief"][0] == found["sentence"] == first

@@ -5,6 +5,6 @@ from pathlib import Path
 from job import logged
 
 with logged(snakemake):
-    from lsvib.sheets.output import assess_file
+    from lsvib.sheets.output import assess
 
-    assess_file(Path(snakemake.input.sheet), Path(snakemake.output.page).parent, samples=snakemake.params.samples)
+    assess(Path(snakemake.input.sheet), Path(snakemake.output.page).parent, samples=snakemake.params.samples)

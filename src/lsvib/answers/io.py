@@ -8,7 +8,6 @@ import os
 import platform
 import re
 import subprocess
-from collections.abc import Iterable
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -57,35 +56,6 @@ def write_dataset(dataset: xr.Dataset, path: str | os.PathLike[str], maker: str 
             raise LsvibError(f"Cannot write {path}: {error} (is the disk full?).") from error
         if sizes != dict(dataset.sizes):
             raise LsvibError(f"Cannot write {path}: the file written has sizes {sizes}, not {dict(dataset.sizes)}.")
-
-
-def table_of(dataset: xr.Dataset) -> Any:
-    """Return what a dataset has at each time, point or cell, as a table of pandas, categories as words.
-
-    That are the variables along the dimensions of its first one; parameters, events and curves are left out.
-    """
-    dims = next(iter(dataset.data_vars.values())).dims
-    names = [name for name, own in dataset.data_vars.items() if own.dims == dims]
-    own = dataset[names].reset_coords([name for name, own in dataset.coords.items() if not own.ndim], drop=True)
-    table = own.to_dataframe(dim_order=list(dims)).reset_index()
-    for name in names:
-        if "flag_meanings" in (about := dataset[name].attrs):
-            words = about["flag_meanings"].split()
-            table[name] = table[name].map(dict(zip(np.atleast_1d(about["flag_values"]).tolist(), words, strict=True)))
-    return table[[*(name for name in dims if name in dataset.coords), *names]]
-
-
-def headings(dataset: xr.Dataset, names: Iterable[Any]) -> list[str]:
-    """Return names of variables with their units, such as ``"time [s]"``."""
-    units = ((name, dataset[name].attrs.get("units", "1")) for name in names)
-    return [name if unit == "1" else f"{name} [{unit}]" for name, unit in units]
-
-
-def write_table(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
-    """Write the :func:`table_of` a dataset as CSV, whole or not at all, its units in the heading."""
-    table = table_of(dataset)
-    with replacing(path) as (part,):
-        table.to_csv(part, header=headings(dataset, table), index=False, lineterminator="\n")
 
 
 def read_dataset(path: str | os.PathLike[str]) -> xr.Dataset:

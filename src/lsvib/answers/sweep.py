@@ -7,7 +7,6 @@ the number of threads. Nothing is simulated for some time and looked at: the ret
 import json
 import math
 import os
-import shutil
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import product
 from typing import Any
@@ -17,8 +16,9 @@ import xarray as xr
 
 from lsvib import numbers, words
 from lsvib.answers import attributes as cf
-from lsvib.answers.io import headings, table_of, write_dataset
+from lsvib.answers.io import write_dataset
 from lsvib.answers.spans import spaced
+from lsvib.answers.tables import on_screen
 from lsvib.drives.drive import Drive, require_direction
 from lsvib.drives.many import ManyDrives
 from lsvib.drives.model import model_of
@@ -113,24 +113,11 @@ def summary(found: xr.Dataset, seconds: float) -> dict[str, Any]:
     }
 
 
-def rows(found: xr.Dataset) -> list[dict[str, Any]]:
-    """Return the points of a sweep as plain values, None for what does not exist or is infinite."""
-    table = table_of(found).astype(object)
-    table = table.mask(table.isin([math.nan, math.inf, -math.inf]), None)
-    return list(table.to_dict("records"))
-
-
-def text(summary: Mapping[str, Any], found: xr.Dataset) -> Iterator[str]:
-    """Say a sweep and its :func:`summary` in lines, with as many points as fit a screen."""
-    points, kind = table_of(found), "behaviour" if "behaviour" in found else "attractor"
-    columns = [*found[kind].dims, kind, "amplitude", "period", "peak_normal_force"]
-    most = max(3, shutil.get_terminal_size().lines - 8)
-    places = np.unique(np.linspace(0, len(points) - 1, most).round().astype(int))
-    lines = points[columns].iloc[places].values.tolist()
-    shown = ([words.plain(x) if isinstance(x, str) else "" if x != x else f"{x:.6g}" for x in line] for line in lines)
-    yield words.table(shown, *headings(found, columns))
-    if left := len(points) - len(lines):
-        yield f"{left} points between these are left out; --json and --out sweep.csv have all of them"
+def text(summary: Mapping[str, Any], table: Any) -> Iterator[str]:
+    """Say a sweep, as a table of pandas, and its :func:`summary` in lines."""
+    own, kind = list(table)[: list(table).index("attractor")], "behaviour" if "behaviour" in table else "attractor"
+    columns = [*(name.partition(" [")[0] for name in own), kind, "amplitude", "period", "peak_normal_force"]
+    yield from on_screen(table, columns, "--out sweep.csv")
     for kind, count in (summary["behaviours"] or summary["attractors"]).items():
         yield f"{words.plain(kind)}: {count} of {summary['points']} points"
     if summary["curves"]:

@@ -71,7 +71,8 @@ def sweep(
 
         lsvib sweep --set mass=9 --over contact_damping=1:1e9:30 --over contact_stiffness=1e4:1e9:30
     """
-    from lsvib.answers.sweep import rows, summary, text
+    from lsvib.answers.sweep import summary, text
+    from lsvib.answers.tables import rows_of, table_of
 
     files = options.Files(out, figure)
     if figure and len(over) > 2:
@@ -83,7 +84,8 @@ def sweep(
     )
     result = summary(found, perf_counter() - begin)
     files.write(found)
-    show(result | {"rows": rows(found)} if as_json else result, as_json, text(result, found), out)
+    table = table_of(found)
+    show(result | {"rows": rows_of(table) if as_json else []}, as_json, text(result, table), out)
 
 
 @app.command

@@ -188,12 +188,13 @@ class Files:
 
     def write(self, dataset: "xr.Dataset", command: str = "lsvib") -> None:
         """Write a dataset, and the picture of it."""
-        from lsvib.answers.io import write_dataset, write_table
+        from lsvib.answers.io import write_dataset
+        from lsvib.answers.tables import table_of, write_csv
         from lsvib.files import replacing
 
         with replacing(*self.paths) as parts:
             if self.out and self.out.suffix == ".csv":
-                write_table(dataset, parts[0])
+                write_csv(table_of(dataset), parts[0])
             elif self.out:
                 write_dataset(dataset, parts[0], command)
             if self.figure:

@@ -8,8 +8,8 @@ from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
-from lsvib.cli.app import app, show
-from lsvib.cli.options import AsJson, Whole, refuse_results_of_the_workflow, require_folder
+from lsvib.cli.app import ProgressLine, app, show
+from lsvib.cli.options import AsJson, Files, Whole, refuse_results_of_the_workflow, require_folder
 from lsvib.errors import InputError
 from lsvib.numbers import whole_between
 
@@ -45,22 +45,28 @@ def fit(
     require_folder(out, "fit.nc, fit.json, fit.png, fit.pdf and friction.yaml")
     refuse_results_of_the_workflow(out and out / "fit.nc")
     with _installed("fit", "assess"):
-        from lsvib.sheets.fit_output import fit_file, text_of
+        from lsvib.sheets.fit_output import fit, text_of
 
-        result = fit_file(sheet, out)
+        result = fit(sheet, out)
     show(result, as_json, [text_of(result)], out)
 
 
 @app.command
 def assess(
-    sheet: Annotated[Path | None, Parameter(help="YAML file of the data sheet; see docs/assess.md.")] = None,
+    sheet: Annotated[
+        Path | None, Parameter(help="YAML file of the data sheet, or CSV file of variants; see docs/assess.md.")
+    ] = None,
     *,
+    base: Annotated[Path | None, Parameter(help="Data sheet that has what a CSV file of variants leaves out.")] = None,
     out: Annotated[
         Path | None,
-        Parameter(help="Folder to write index.html, assessment.nc and assessment.json to; none if left out."),
+        Parameter(help="Folder to write index.html, assessment.nc and assessment.json to; of variants a CSV file."),
     ] = None,
     template: Annotated[bool, Parameter(negative="", help="Print a data sheet to fill in, and nothing else.")] = False,
-    samples: Annotated[Whole, Parameter(help="Drives drawn from the uncertainties, a power of two.")] = 4096,
+    samples: Annotated[
+        Whole | None,
+        Parameter(help="Drives drawn from the uncertainties, a power of two; 4096, or 64 for each variant."),
+    ] = None,
     seed: Annotated[Whole, Parameter(help="Seed of the samples.")] = 1,
     units: Annotated[Literal["si", "us"], Parameter(help="us: in, lbf, lbf·in and others beside SI units.")] = "si",
     as_json: AsJson = False,
@@ -74,6 +80,8 @@ def assess(
         lsvib assess --template > drive.yaml
 
         lsvib assess examples/powered_seat.yaml --out report
+
+        lsvib assess variants.csv --base drive.yaml --out table.csv
     """
     if template and (sheet is not None or out is not None):
         raise InputError("lsvib assess --template goes without a data sheet and --out; it prints a sheet to fill in.")
@@ -82,14 +90,34 @@ def assess(
         return
     if sheet is None:
         raise InputError("lsvib assess needs the file of a data sheet; lsvib assess --template prints one to fill in.")
+    if sheet.suffix == ".csv":
+        _assess_variants(sheet, base, out, 64 if samples is None else samples, seed, as_json)
+        return
+    if base is not None:
+        raise InputError("--base goes with a CSV file of variants; a data sheet has all entries itself.")
     if as_json and units == "us":
         raise InputError("lsvib assess --json is in SI units alone; leave out --json or --units us.")
+    require_folder(out, "index.html, assessment.nc and assessment.json")
     refuse_results_of_the_workflow(out and out / "index.html")
     with _installed("assess", "assess"):
-        from lsvib.sheets.output import assess_file
-    result = assess_file(sheet, out, samples, seed, units == "us")
+        from lsvib.sheets.output import assess
+    result = assess(sheet, out, 4096 if samples is None else samples, seed, units)
     written = [f"wrote {out / 'index.html'}, assessment.nc and assessment.json"] if out is not None else []
     show(result, as_json, [*result["brief"], *written])
+
+
+def _assess_variants(table: Path, base: Path | None, out: Path | None, samples: int, seed: int, as_json: bool) -> None:
+    """Assess each row of a table, and write or show the table of answers."""
+    if out is not None and out.suffix != ".csv":
+        raise InputError(f"out = {out} does not end in .csv; of variants one table is written.")
+    Files(out, reads=table)
+    with _installed("assess", "assess"):
+        from lsvib.answers.tables import on_screen, rows_of, write_csv
+        from lsvib.sheets.variants import ON_SCREEN, assess_variants
+    rows = assess_variants(table, base, samples, seed, ProgressLine("variants"))
+    if out:
+        write_csv(rows, out)
+    show({"rows": rows_of(rows)}, as_json, on_screen(rows, ON_SCREEN, "--out table.csv"), out)
 
 
 @app.command

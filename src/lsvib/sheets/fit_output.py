@@ -39,18 +39,17 @@ NONE = 0.3  # of the typical torque: a law that leaves more rms is none to copy
 DRAWN = 4.1  # standard deviations, within which a data sheet draws, with some room
 
 
-def fit_file(path: Path, out: Path | None = None) -> dict[str, Any]:
+def fit(path: Path | str, out: Path | str | None = None) -> dict[str, Any]:
     """Fit the sheet in a YAML file; write ``fit.nc``, ``.json``, ``.png``, ``.pdf``, ``friction.yaml`` to ``out``.
 
     Returns what ``fit.json`` holds. Raises ``InputError`` or another ``LsvibError`` in one sentence; then nothing is
     written.
 
-    >>> from pathlib import Path
-    >>> from lsvib.sheets.fit_output import fit_file
-    >>> found = fit_file(Path("examples/measured_screw/measured_screw.yaml"))
+    >>> found = lsvib.fit("examples/measured_screw/measured_screw.yaml")
     >>> found["points"], round(found["friction"]["stribeck_rise"], 2)
     (30, 0.16)
     """
+    path, out = Path(path), None if out is None else Path(out)
     files = [out / name for name in _FILES] if out else []
     check_outputs(files, [path])
     found = fit_sheet(path)
@@ -58,7 +57,7 @@ def fit_file(path: Path, out: Path | None = None) -> dict[str, Any]:
     if out:
         made = dataset(found)
         with replacing(*files) as (data, numbers, png, pdf, block):
-            write_dataset(made, data, "lsvib.sheets.fit_output.fit_file")
+            write_dataset(made, data, "lsvib.sheets.fit_output.fit")
             write_json(result, numbers)
             style.save(draw(made), png, pdf)
             write_text(blocks(result), block)

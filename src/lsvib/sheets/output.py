@@ -2,8 +2,9 @@
 
 import json
 import math
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import xarray as xr
@@ -13,7 +14,8 @@ from lsvib.answers.attributes import flagged, variable
 from lsvib.answers.io import write_dataset
 from lsvib.errors import InputError
 from lsvib.files import check_outputs, replacing, write_json, write_text
-from lsvib.sheets.assessment import AssessedMotion, Assessment, assess
+from lsvib.sheets import assessment as whole
+from lsvib.sheets.assessment import AssessedMotion, Assessment
 from lsvib.sheets.changes import Change
 from lsvib.sheets.chart import KINDS, Chart, charts
 from lsvib.sheets.draw import Draw
@@ -28,26 +30,33 @@ _OF_MOTIONS = ("parts", "attractor", "vibrates", "frequency", "audible", "amplit
                "peak_contact_force", "peak_impulse", "reason", "scene")  # fmt: skip
 
 
-def assess_file(path: Path, out: Path | None, samples: Any = 4096, seed: Any = 1, us: bool = False) -> dict[str, Any]:
-    """Assess the data sheet in a YAML file; write ``index.html``, ``assessment.nc``, ``assessment.json`` to ``out``.
+def assess(
+    sheet: Path | str | Mapping[str, Any],
+    out: Path | str | None = None,
+    samples: Any = 4096,
+    seed: Any = 1,
+    units: Literal["si", "us"] = "si",
+) -> dict[str, Any]:
+    """Assess the data sheet in a YAML file, or of names and values as in one: does it vibrate, what does it bear?
 
-    Without ``out`` nothing is written. ``samples``: a power of two. Returns what ``assessment.json`` holds; with ``us``
-    the page and the ``brief`` that is returned have US units beside SI. Raises ``InputError`` or another ``LsvibError``
-    in one sentence; then nothing is written.
+    To a folder ``out`` it writes ``index.html``, ``assessment.nc`` and ``assessment.json``. ``samples``: drives drawn
+    from the uncertainties, a power of two. Returns what ``assessment.json`` holds, in SI units; with ``units="us"`` the
+    page and the ``brief`` that is returned have US units beside them. Raises ``InputError`` or another ``LsvibError``
+    in one sentence; then nothing is written. An example is in docs/python.md.
     """
     count = numbers.whole_between("samples", samples, 64, 2**20)  # seconds; a share is in error by less than 1e-3
     if count & (count - 1):
         raise InputError(f"samples = {count} is not a power of two, as the sequence of samples needs.")
-    start = numbers.whole_between("seed", seed, 0, 2**32 - 1)
-    sheet = Sheet.read(path)
-    if sheet.of_statics:
+    start, us = numbers.whole_between("seed", seed, 0, 2**32 - 1), units == "us"
+    given = Sheet.of(sheet) if isinstance(sheet, Mapping) else Sheet.read(sheet)
+    if given.of_statics:
         if out is not None:
-            raise InputError(f"a report needs what vibration needs; {sheet.of_statics}.")
+            raise InputError(f"a report needs what vibration needs; {given.of_statics}.")
         with us_units_too(us):
-            return _of_statics(sheet)
-    files = [out / name for name in ("index.html", "assessment.nc", "assessment.json")] if out else []
-    check_outputs(files, [path])
-    found = assess(sheet, count, start)
+            return _of_statics(given)
+    files = [Path(out) / name for name in ("index.html", "assessment.nc", "assessment.json")] if out else []
+    check_outputs(files, [] if isinstance(sheet, Mapping) else [sheet])
+    found = whole.assess(given, count, start)
     result = as_json(found)
     if out:
         operating = charts(found.draw)
