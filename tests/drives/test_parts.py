@@ -54,28 +54,25 @@ def assert_normal_force(drive: Drive, motion) -> None:
         assert not way["slip"] or abs(normal) <= least or normal * way["contact"] > 0
 
 
-def assert_observables_move_load_and_screw(drive: Drive, motion) -> None:
+def assert_observables_move_load_and_screw(p: Drive, motion) -> None:
     """Place, speeds, friction torque and contact force amid the longest slip, by differences: Newton's laws."""
     modes, _, _, durations = motion.arcs()
     stands = motion.automaton.marked(motion.automaton.codes[modes], "rest", "held")
     k = int(np.argmax(np.where(stands, 0.0, durations)))
     if stands[k] or durations[k] < 1e-5:
         return
-    h = 1e-3 * durations[k]
+    h, reach = 1e-3 * durations[k], p.pitch_radius * np.tan(p.lead_angle)
     here = motion.at(durations[: k + 1].sum() - 0.5 * durations[k] + h * np.arange(-2, 3))
-    place, x_dot, slides, n, rubs, twist, turns = (
-        motion.automaton.observe(name, *here)
-        for name in ("load_place", "load_speed", "sliding_speed", "axial_contact_force", "friction_torque",
-                     "coupling_torque", "screw_speed")
-    )  # fmt: skip
-    p, reach = drive, drive.pitch_radius * np.tan(drive.lead_angle)
-    rates = [(y[0] - 8 * y[1] + 8 * y[3] - y[4]) / (12 * h) for y in (place, x_dot, turns)]
-    push = p.axial_force - p.translation_damping * x_dot[2] - p.slide_friction * np.sign(x_dot[2])
-    brake = p.support_damping * turns[2] + p.bearing_friction * np.sign(turns[2]) + rubs[2] - reach * n[2]
-    for found, *terms in ((rates[0], x_dot[2], -reach * p.input_speed), (p.mass * rates[1], push, -n[2]),
-                          (p.screw_inertia * rates[2], twist[2], -brake)):  # fmt: skip
-        assert abs(found - sum(terms)) <= 1e-6 * np.abs(terms).max(), drive
-    assert rubs[2] * slides[2] >= 0
+    names = "load_place load_speed screw_speed axial_contact_force friction_torque coupling_torque sliding_speed"
+    found = [motion.automaton.observe(name, *here) for name in names.split()]
+    place, load, screw = ((y[0] - 8 * y[1] + 8 * y[3] - y[4]) / (12 * h) for y in found[:3])  # rates
+    _, v, w, n, rubs, twist, slides = (own[2] for own in found)
+    push = p.axial_force - p.translation_damping * v - p.slide_friction * np.sign(v)
+    brake = p.support_damping * w + p.bearing_friction * np.sign(w) + rubs - reach * n
+    for rate, *terms in ((place, v, -reach * p.input_speed), (p.mass * load, push, -n),
+                         (p.screw_inertia * screw, twist, -brake)):  # fmt: skip
+        assert abs(rate - sum(terms)) <= 1e-6 * np.abs(terms).max(), p
+    assert rubs * slides >= 0
 
 
 @pytest.mark.parametrize("seeds", sizes([range(24)], [[*range(24, 38), 47, 60]], [range(38, 400)]), ids=len)

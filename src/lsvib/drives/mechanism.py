@@ -86,9 +86,10 @@ class Mechanism:
     ``speed`` is the row of θ′, ``slip`` that of ω, ``nut_speed`` that of x′, ``nut_place`` that of x less its value in
     steady sliding, ``sliding`` that of the speed at which the threads slide, ``deflection`` that of z, ``commanded``
     that of Ω(t), ``away`` that of u′; ``force`` [N] and ``steady_law``, s_0, are those of steady sliding; ``sides``:
-    the signs of n at rest, or 0 alone where it is constant; ``compliant``: whether the threads are; ``idle``: whether
-    they have neither friction nor a force to carry, as those of a body behind a spring, so that n is not felt;
-    ``braked``: what the ground brakes in steady sliding, the torque on the screw [N m] and the force on the load [N].
+    the signs of n at rest, or 0 alone where it is constant; ``compliant``: whether the threads are, which N_0 then
+    compresses by ``compression`` [m]; ``idle``: whether they have neither friction nor a force to carry, as those of a
+    body behind a spring, so that n is not felt; ``braked``: what the ground brakes in steady sliding, the torque on the
+    screw [N m] and the force on the load [N].
     """
 
     def __init__(self, d: Any, parts: Iterable[str], slowest: Any, command: tuple[Any, Any] | None = None) -> None:
@@ -136,6 +137,9 @@ class Mechanism:
         self.away = plus(self.speed, scaled(self.commanded, -1))  # u′
         rates = self.rates(True, ())
         self.slip, self.nut_speed = self._slip(rates), self._travel(rates)
+        self.compression = self.steady_normal_force / (d.cos_lead * d.contact_stiffness) if self.compliant else 0
+        places = {part: self.unit(place) for part, place in self.place.items()}
+        self.nut_place = plus(self._travel(places), self.constant(-self.compression))
         self.sliding = scaled(self.slip, d.pitch_radius / d.cos_lead)
         self.coupling_torque = plus(self.wound(rates), self.constant(self.steady_torque))
 
@@ -147,22 +151,8 @@ class Mechanism:
         """Return the row of a coordinate, and a constant."""
         return (*self._zeros[:place], 1, *self._zeros[place + 1 :], value)
 
-    @cached_property
-    def nut_place(self) -> Row:
-        """The row of x less its value in steady sliding."""
-        places = {part: self.unit(self.place[part]) for part in self.parts}
-        return plus(self._travel(places), self.constant(-self.compression))
-
-    @property
-    def compression(self) -> Any:
-        """The mismatch e [m] of compliant threads in steady sliding, by N_0; else zero."""
-        return self.steady_normal_force / (self.d.cos_lead * self.d.contact_stiffness) if self.compliant else 0
-
     def rubbing(self, mode: Solution) -> Row:
-        """Return the row of what friction adds to the torque of the threads, τ + r_m tan λ n: of slip ω it takes that.
-
-        At rest it is what holds, with the shares of bearing and guide that cannot be told from that of the threads.
-        """
+        """Return the row of the friction in τ, τ + r_m tan λ n; at rest with the shares of what else holds."""
         return plus(mode.torque, self.constant(self.twist), scaled(mode.contact, self.reach))
 
     @cached_property

@@ -38,9 +38,7 @@ TABLE = {
     "load_place": Observable(("place of the load", "m", "$x$"), lambda m, _: m.nut_place, carried=True),
     "load_speed": Observable(("speed of the load", "m s-1", r"$\dot x$"), lambda m, _: m.nut_speed),
     "sliding_speed": Observable(("sliding speed of the threads", "m s-1", "$v$"), lambda m, _: m.sliding),
-    "friction_torque": Observable(
-        ("friction torque of threads and collar", "N m", "$T_f$"), lambda m, mode: m.rubbing(mode), rubbed=True
-    ),
+    "friction_torque": Observable(("friction torque of threads and collar", "N m", "$T_f$"), Mechanism.rubbing, True),
 }
 
 

@@ -83,13 +83,13 @@ def vibration(drive: Drive, perturbation: float | None) -> Vibration:
         start, span, times, states = _shown(drive, definition, automaton, start, end)
     except EngineError as error:
         return Vibration(parts, words, reason=str(error))
-    row = _load_row(drive, automaton.states)
+    row = automaton.observables["load_place"][0]  # from that of steady travel, the same in all modes
     return Vibration(
         parts,
         words,
         scene={"drive": dict(drive), "start": start, "duration": span, "samples": _SAMPLES + 1},
         time=times,
-        deviation=states @ row,
+        deviation=states @ row[:-1] + row[-1],
         **({} if end.orbit is None or end.label in _WITHOUT_CYCLE else _of_cycle(drive, end.orbit, row)),
     )
 
@@ -146,18 +146,8 @@ def _shown(
     return start, span, times, states
 
 
-def _load_row(drive: Drive, states: tuple[str, ...]) -> NDArray[np.float64]:
-    """Displacement of the load from steady travel [m] as a row over the state."""
-    row = np.zeros(len(states))
-    row[0] = drive.pitch_radius * math.tan(drive.lead_angle)
-    for name in ("screw_shift", "thread_mismatch"):  # [m]
-        if name in states:
-            row[states.index(name)] = 1.0
-    return row
-
-
 def _of_cycle(drive: Drive, orbit: Motion, row: NDArray[np.float64]) -> dict[str, Any]:
-    low, high = orbit_extremes(orbit, np.append(row, 0.0))
+    low, high = orbit_extremes(orbit, row)
     impulses = np.abs(event_impulses(drive, orbit).normal)
     return {
         "frequency": 1 / orbit.end_time,
