@@ -89,7 +89,7 @@ COMMANDS = [
     (MOTION.replace("x.nc", "long" * 99), "File name too long"),
     (MOTION.replace("x.nc", "pipe"), "pipe"),
     ("simulate --scene scene.yaml --out to_scene", "reads"),
-    (MOTION.replace("x.nc", "x.xlsx"), "out = x.xlsx does not end in .nc, for netCDF, or .csv, for a table"),
+    (MOTION.replace("x.nc", "x.xlsx"), "out = x.xlsx does not end in .nc or .csv."),
     (f"{MOTION} --outputs heat", "outputs has the word 'heat'; this drive knows normal_force, "),
     ("fit sheet.yaml --out x.csv", "out = x.csv is the name of a file; this command writes fit.nc, "),
     ("figure 8.8 --out x.csv", "out = x.csv is the name of a file; this command writes dataset, checks, "),

@@ -95,6 +95,26 @@ def test_a_dataset_that_is_not_as_it_was_made_is_drawn_or_refused_in_a_sentence(
         lsvib.draw(spoiled)
 
 
+def test_a_motion_shows_its_phase_plane_and_friction_loop():
+    outputs = ["normal_force", "sliding_speed", "friction_torque"]
+    motion = DRIVE.simulate({"u": 0.1, "w": 0.0}, 0.05, outputs=outputs)
+    (plane,), (loop,) = (lsvib.draw(motion, kind).axes for kind in ("phase_plane", "friction_loop"))
+    lines = {line.get_label(): line for line in plane.get_lines()}
+    assert len(lines["start of a seizure"].get_xdata()) == int((motion.event_normal_impulse != 0).sum()) > 0
+    u, w = np.mean([lines["$N = 0$"].get_xdata(), lines["$N = 0$"].get_ydata()], axis=1)
+    assert DRIVE.simulate({"u": u, "w": w}, 1e-9, samples=2).normal_force[0] == pytest.approx(0, abs=1e-9)
+    slips = (motion["mode"] != 4) & (motion.sliding_speed != 0)  # after the seizure at the start it is zero, but once
+    drawn = [x[np.isfinite(x)][1:] for x in loop.get_lines()[0].get_data()]
+    force = 0.218 * 5.18e-3 / np.cos(np.deg2rad(5.57)) * np.abs(motion.normal_force) * np.sign(motion.sliding_speed)
+    np.testing.assert_allclose(drawn, [motion.sliding_speed[slips], force[slips]], rtol=1e-9, atol=1e-12)
+    with pytest.raises(
+        InputError, match="'loop' cannot be drawn of this; of a motion phase_plane and friction_loop can"
+    ):
+        lsvib.draw(motion, "loop")
+    with pytest.raises(InputError, match="needs sliding_speed and friction_torque among the outputs"):
+        lsvib.draw(motion.drop_vars("friction_torque"), "friction_loop")
+
+
 def test_a_motion_shows_speed_command_rest_and_seizures():
     motion = DRIVE.simulate({"u": 0.1, "w": 0.0}, 0.05, command={"times": [0, 0.05], "speeds": [40, 30]})
     speed, *_ = lsvib.draw(motion).axes

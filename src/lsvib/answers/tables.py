@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from lsvib.answers.spans import evenly_chosen
 from lsvib.files import replacing
 from lsvib.words import table as in_columns
 
@@ -35,22 +36,19 @@ def write_csv(table: Any, path: str | os.PathLike[str]) -> None:
         table.to_csv(part, index=False, lineterminator="\n")
 
 
-def rows_of(table: Any) -> list[dict[str, Any]]:
+def records(table: Any) -> list[dict[str, Any]]:
     """Return the rows of a table as plain values, None for what does not exist or is infinite."""
     plain = table.astype(object)
     return list(plain.mask(plain.isin([math.nan, math.inf, -math.inf]), None).to_dict("records"))
 
 
 def on_screen(table: Any, columns: list[str], file: str) -> Iterator[str]:
-    """Yield columns that are not empty, with rows evenly spread where not all fit a screen; ``file`` has all of them.
-
-    Columns are named without units.
-    """
+    """Yield columns, named without units, of evenly spread rows where not all fit a screen; ``file`` has all."""
     names = {name.partition(" [")[0]: name for name in table}
     chosen = [names[name] for name in columns if name in names and table[names[name]].notna().any()]
     most = max(3, shutil.get_terminal_size().lines - 8)
-    places = np.unique(np.linspace(0, len(table) - 1, min(most, len(table))).astype(int))
-    shown = ([row[name] for name in chosen] for row in rows_of(table.iloc[places]))
+    places = evenly_chosen(len(table), most)
+    shown = ([row[name] for name in chosen] for row in records(table.iloc[places]))
     lines = ([f"{x:.5g}" if isinstance(x, float) else str(x or "") for x in row] for row in shown)
     yield in_columns(lines, *chosen)
     if left := len(table) - len(places):

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 
 from lsvib.cli.app import app, show
-from lsvib.cli.options import AsJson, Changes, Files, refuse_results_of_the_workflow, require_folder
+from lsvib.cli.options import AsJson, Changes, Files, require_folder
 from lsvib.errors import InputError, LsvibError
 
 _FILES = (".nc", "_checks.json", ".png", ".pdf")  # ends of names, after that of the figure
@@ -17,6 +17,8 @@ _FILES = (".nc", "_checks.json", ".png", ".pdf")  # ends of names, after that of
 def draw(
     file: Annotated[Path, Parameter(help="netCDF file of a motion, sweep, branch of cycles or map.")],
     figure: Annotated[Path, Parameter(help="PNG file to draw it to; a PDF is written beside it.")],
+    *,
+    kind: Annotated[str | None, Parameter(help="Of a motion phase_plane or friction_loop, else over time.")] = None,
 ) -> None:
     """Draw a file that another command wrote.
 
@@ -27,7 +29,7 @@ def draw(
     from lsvib.answers.io import read_dataset
 
     files = Files(None, figure, reads=file)
-    files.write(read_dataset(file))
+    files.write(read_dataset(file), kind=kind)
     print(f"wrote {figure} and its PDF")
 
 
@@ -66,7 +68,6 @@ def figure(
     if changes:
         settings = {**settings, "drive": _changed_drive(number, name, settings, dict(changes))}
     files = [out / f"{name}{ending}" for ending in _FILES]
-    refuse_results_of_the_workflow(*files)
     check_outputs(files, [config])
     with replacing(*files) as (data, judged, png, pdf):
         checks = compute_figure(name, settings, data, judged)

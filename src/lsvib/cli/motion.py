@@ -72,7 +72,7 @@ def sweep(
         lsvib sweep --set mass=9 --over contact_damping=1:1e9:30 --over contact_stiffness=1e4:1e9:30
     """
     from lsvib.answers.sweep import summary, text
-    from lsvib.answers.tables import rows_of, table_of
+    from lsvib.answers.tables import records, table_of
 
     files = options.Files(out, figure)
     if figure and len(over) > 2:
@@ -85,7 +85,7 @@ def sweep(
     result = summary(found, perf_counter() - begin)
     files.write(found)
     table = table_of(found)
-    show(result | {"rows": rows_of(table) if as_json else []}, as_json, text(result, table), out)
+    show(result | {"rows": records(table) if as_json else []}, as_json, text(result, table), out)
 
 
 @app.command

@@ -151,12 +151,6 @@ def values_of(over: list[Steps]) -> "dict[str, np.ndarray]":
     }
 
 
-def require_folder(out: Path | None, files: str) -> None:
-    """Refuse the name of a file where a folder for several ``files`` is meant; raises ``InputError``."""
-    if out is not None and out.suffix in (".csv", ".nc", ".json", ".html", ".png", ".pdf", ".yaml"):
-        raise InputError(f"out = {out} is the name of a file; this command writes {files} to a folder.")
-
-
 def refuse_results_of_the_workflow(*files: Path | None) -> None:
     """Refuse files in the folders below ``results`` of the workflow, which could not distinguish them from its own.
 
@@ -171,10 +165,19 @@ def refuse_results_of_the_workflow(*files: Path | None) -> None:
             raise InputError(f"{file.parent} belongs to the workflow, which fills it by itself; name another folder.")
 
 
+def require_folder(out: Path | None, files: str) -> None:
+    """Refuse a folder of the workflow, and the name of a file; ``files`` says what the command writes."""
+    refuse_results_of_the_workflow(out and out / files)
+    if out is not None and out.suffix in (".csv", ".nc", ".json", ".html", ".png", ".pdf"):
+        raise InputError(f"out = {out} is the name of a file; this command writes {files} to a folder.")
+
+
 class Files:
     """The dataset and the picture that a command writes: checked before its work begins, both put in place or none."""
 
-    def __init__(self, out: Path | None, figure: Path | None = None, reads: Path | None = None) -> None:
+    def __init__(
+        self, out: Path | None, figure: Path | None = None, reads: Path | None = None, ends: Any = (".nc", ".csv")
+    ) -> None:
         from lsvib.files import check_outputs
 
         refuse_results_of_the_workflow(out, figure)
@@ -183,11 +186,11 @@ class Files:
         self.out, self.figure = out, figure
         self.paths = [path for path in (out, figure, figure and figure.with_suffix(".pdf")) if path]
         check_outputs(self.paths, [reads] if reads else [])
-        if out is not None and out.suffix not in (".nc", ".csv"):
-            raise InputError(f"out = {out} does not end in .nc, for netCDF, or .csv, for a table.")
+        if out is not None and out.suffix not in ends:
+            raise InputError(f"out = {out} does not end in {' or '.join(ends)}.")
 
-    def write(self, dataset: "xr.Dataset", command: str = "lsvib") -> None:
-        """Write a dataset, and the picture of it."""
+    def write(self, dataset: "xr.Dataset", command: str = "lsvib", kind: str | None = None) -> None:
+        """Write a dataset, and the picture of it, of a ``kind``."""
         from lsvib.answers.io import write_dataset
         from lsvib.answers.tables import table_of, write_csv
         from lsvib.files import replacing
@@ -201,4 +204,4 @@ class Files:
                 from lsvib.pictures.answers import draw
                 from lsvib.pictures.style import save
 
-                save(draw(dataset), *parts[-2:])
+                save(draw(dataset, kind), *parts[-2:])

@@ -9,7 +9,7 @@ from typing import Annotated, Literal
 from cyclopts import Parameter
 
 from lsvib.cli.app import ProgressLine, app, show
-from lsvib.cli.options import AsJson, Files, Whole, refuse_results_of_the_workflow, require_folder
+from lsvib.cli.options import AsJson, Files, Whole, require_folder
 from lsvib.errors import InputError
 from lsvib.numbers import whole_between
 
@@ -43,7 +43,6 @@ def fit(
         lsvib fit examples/measured_screw/measured_screw.yaml --out fitted
     """
     require_folder(out, "fit.nc, fit.json, fit.png, fit.pdf and friction.yaml")
-    refuse_results_of_the_workflow(out and out / "fit.nc")
     with _installed("fit", "assess"):
         from lsvib.sheets.fit_output import fit, text_of
 
@@ -65,7 +64,7 @@ def assess(
     template: Annotated[bool, Parameter(negative="", help="Print a data sheet to fill in, and nothing else.")] = False,
     samples: Annotated[
         Whole | None,
-        Parameter(help="Drives drawn from the uncertainties, a power of two; 4096, or 64 for each variant."),
+        Parameter(help="Drives drawn from the uncertainties, a power of two: 4096, or 64 a variant."),
     ] = None,
     seed: Annotated[Whole, Parameter(help="Seed of the samples.")] = 1,
     units: Annotated[Literal["si", "us"], Parameter(help="us: in, lbf, lbf·in and others beside SI units.")] = "si",
@@ -98,7 +97,6 @@ def assess(
     if as_json and units == "us":
         raise InputError("lsvib assess --json is in SI units alone; leave out --json or --units us.")
     require_folder(out, "index.html, assessment.nc and assessment.json")
-    refuse_results_of_the_workflow(out and out / "index.html")
     with _installed("assess", "assess"):
         from lsvib.sheets.output import assess
     result = assess(sheet, out, 4096 if samples is None else samples, seed, units)
@@ -108,16 +106,14 @@ def assess(
 
 def _assess_variants(table: Path, base: Path | None, out: Path | None, samples: int, seed: int, as_json: bool) -> None:
     """Assess each row of a table, and write or show the table of answers."""
-    if out is not None and out.suffix != ".csv":
-        raise InputError(f"out = {out} does not end in .csv; of variants one table is written.")
-    Files(out, reads=table)
+    Files(out, reads=table, ends=[".csv"])
     with _installed("assess", "assess"):
-        from lsvib.answers.tables import on_screen, rows_of, write_csv
+        from lsvib.answers.tables import on_screen, records, write_csv
         from lsvib.sheets.variants import ON_SCREEN, assess_variants
     rows = assess_variants(table, base, samples, seed, ProgressLine("variants"))
     if out:
         write_csv(rows, out)
-    show({"rows": rows_of(rows)}, as_json, on_screen(rows, ON_SCREEN, "--out table.csv"), out)
+    show({"rows": records(rows)}, as_json, on_screen(rows, ON_SCREEN, "--out table.csv"), out)
 
 
 @app.command

@@ -16,8 +16,9 @@ from lsvib.answers.phase_plane import curve, orbits
 from lsvib.drives.drive import Drive
 from lsvib.errors import InputError
 from lsvib.numbers import shown
-from lsvib.pictures import attraction, chart, style
+from lsvib.pictures import attraction, chart, drawing, friction_loop, phase_plane, style
 
+KINDS = {"phase_plane": phase_plane.draw, "friction_loop": friction_loop.draw}  # of a motion, besides that over time
 _STATE = "velocity_deviation"  # which every motion has
 _CAN = "motions, sweeps of one or two parameters, cycles, branches, basins, and maps of u and w can"
 _NUMBERS = "bfiu"  # kinds of types
@@ -26,11 +27,12 @@ _MARKS = "x.os^vDP*"  # of what drives do, for readers in grey
 _MARK = {"markersize": 3, "markeredgecolor": style.BLACK, "markeredgewidth": 0.3}
 
 
-def draw(answer: Any) -> style.Figure:
+def draw(answer: Any, kind: str | None = None) -> style.Figure:
     """Draw what lsvib found, for a first look or a report.
 
     Arguments: the dataset of a motion, a sweep over one or two parameters, a map of starts; what ``cycles``,
-    ``follow`` and ``basin`` of a drive return; or the path of a file that holds a dataset.
+    ``follow`` and ``basin`` of a drive return; or the path of a file that holds a dataset. ``kind``: of a motion
+    ``phase_plane``, or ``friction_loop``, for which it has sliding_speed and friction_torque among its outputs.
 
     Returns a figure of matplotlib, 7.2 inches wide, which a notebook shows. Raises ``InputError`` for anything else.
 
@@ -43,7 +45,7 @@ def draw(answer: Any) -> style.Figure:
     """
     if isinstance(answer, str | os.PathLike):
         answer = read_dataset(answer)
-    return _drawn(answer if isinstance(answer, xr.Dataset) else _dataset(answer))
+    return _drawn(answer if isinstance(answer, xr.Dataset) else _dataset(answer), kind)
 
 
 def open(file: str | os.PathLike[str]) -> xr.Dataset:
@@ -75,10 +77,10 @@ def _dataset(answer: Any) -> xr.Dataset:
 
 
 @style.styled
-def _drawn(dataset: xr.Dataset) -> style.Figure:
+def _drawn(dataset: xr.Dataset, kind: str | None) -> style.Figure:
     """Draw a dataset, which may come from anywhere: what it lacks shows where it is asked for."""
     try:
-        figure = _picture(dataset)
+        figure = _picture(dataset, kind)
         figure.draw_without_rendering()  # whether a symbol is a formula shows here
     except InputError:
         raise
@@ -89,9 +91,12 @@ def _drawn(dataset: xr.Dataset) -> style.Figure:
     return figure
 
 
-def _picture(dataset: xr.Dataset) -> style.Figure:
-    if "event_kind" in dataset and _STATE in dataset and dataset[_STATE].dims == ("time",):
-        return _motion(dataset)
+def _picture(dataset: xr.Dataset, kind: str | None) -> style.Figure:
+    motion = "event_kind" in dataset and _STATE in dataset and dataset[_STATE].dims == ("time",)
+    if kind is not None and not (motion and kind in KINDS):
+        raise InputError(f"{shown(kind)} cannot be drawn of this; of a motion {' and '.join(KINDS)} can.")
+    if motion:
+        return KINDS.get(kind or "", _motion)(dataset)
     if "attracting" in dataset and "changes" in dataset.attrs:
         return _branch(dataset)
     if {"label", "cycle_angle", "boundary_angle"} & set(dataset):
@@ -117,8 +122,7 @@ def _motion(dataset: xr.Dataset) -> style.Figure:
     panels = figure.subplots(1 + len(others), 1, sharex=True, squeeze=False)[:, 0]
     command = dataset["commanded_speed"] if "commanded_speed" in dataset else xr.full_like(time, turning)
     panels[0].plot(time, command, **style.PRINTED, label="command")
-    mode = dataset["mode"]
-    rests = named(mode, *(word for word in flag_names(mode).values() if word.startswith("rest")))
+    rests = drawing.rests(dataset["mode"])
     for axes, values in zip(panels, [speed, *others], strict=True):
         axes.plot(time, values, color=style.BLUE)
         axes.set_xlim(time[0], time[-1])

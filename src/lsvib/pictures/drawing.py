@@ -67,14 +67,19 @@ def draw_motions(axes: style.Axes, case: xr.Dataset, widths: Sequence[float] = E
     """Draw the motions of one case: jumps dotted, rest thick, starts and seizures marked."""
     for (motion, u, w, jumps, colour), width in zip(_motions(case), widths, strict=False):
         _broken_line(axes, u, w, jumps, colour, width, "motion")
-        rests, seized = named(motion["mode"], "rest"), named(motion.event_kind, "seizure")
-        if rests.any():
-            still = np.where(rests, u, np.nan), np.where(rests, w, np.nan)
+        still_at, seized = rests(motion["mode"]), named(motion.event_kind, "seizure")
+        if still_at.any():
+            still = np.where(still_at, u, np.nan), np.where(still_at, w, np.nan)
             axes.plot(*still, color=style.GREEN, linewidth=3, solid_capstyle="butt", label="rest", zorder=2.5)
         if seized.any():
             before = [motion[f"event_{name}_deviation_before"].values[seized] for name in ("angle", "velocity")]
             mark_seizures(axes, before[0], before[1], colour)
         axes.plot(u[0], w[0], "o", color=colour, markerfacecolor="white", label="start", zorder=4.5)
+
+
+def rests(mode: xr.DataArray) -> np.ndarray:
+    """Return where the threads rest, by the modes of a motion."""
+    return named(mode, *(word for word in flag_names(mode).values() if word.startswith("rest")))
 
 
 def _motions(case: xr.Dataset) -> Iterator[tuple[xr.Dataset, np.ndarray, np.ndarray, np.ndarray, str]]:

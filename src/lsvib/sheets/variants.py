@@ -18,7 +18,6 @@ from lsvib.errors import InputError, LsvibError
 from lsvib.sheets.output import assess
 
 ON_SCREEN = ["name", "verdict", "limit_used", "exceeded", "lifting_torque", "lifting_efficiency", "refused"]
-_NO_ANSWERS = ("sources", "assumptions")  # of a base
 
 
 def assess_variants(
@@ -27,10 +26,11 @@ def assess_variants(
     """Return the rows of a CSV file with what is said of each, or why it is ``refused``.
 
     ``base``: the YAML file of a sheet that has what the table leaves out; a cell ``null`` takes an entry of it away.
-    Of statics the worst values are there; ``limit_used``: the largest share of a limit that is used. Raises
-    ``InputError`` if the file is no table, or all rows are refused for one reason.
+    Raises ``InputError`` if the file is no table, or all rows are refused for one reason.
     """
-    sheet, found = {key: part for key, part in (read_yaml(base) if base else {}).items() if key not in _NO_ANSWERS}, []
+    sheet, found = read_yaml(base) if base else {}, []
+    for about in ("sources", "assumptions"):  # of entries that a variant may not have
+        sheet.pop(about, None)
     try:
         text = path.read_text(encoding="utf-8-sig")
         parted = ";" if ";" in text.partition("\n")[0] else ","
@@ -47,9 +47,9 @@ def assess_variants(
             found.append({**row, "refused": str(error)})
         if progress:
             progress(count, len(rows))
-    refused = {row["refused"] for row in found}
-    if len(refused) < 2 and None not in refused:
-        raise InputError(f"All variants in {path} are refused: {refused.pop() if refused else 'there are none.'}")
+    refused = {row["refused"] for row in found} or {"there are none."}
+    if len(refused) == 1 and (reason := refused.pop()):
+        raise InputError(f"All variants in {path} are refused: {reason}")
     return pd.DataFrame(found)
 
 
@@ -83,7 +83,7 @@ def _value(cell: str, unit: str) -> Any:
 
 
 def _said(result: Mapping[str, Any]) -> dict[str, Any]:
-    """The answers by which an engineer sorts; ``exceeded`` names rows of statics."""
+    """The answers by which an engineer sorts: worst values of statics, the largest share of a limit that is used."""
     rows = {key: row for key, row in result["statics"].items() if isinstance(row, Mapping)}
     back = result["statics"]["back_drives"]
     found = {key: result[key] for key in ("verdict", "sentence")} | {"back_drives": "no" if back is False else back}
@@ -92,7 +92,7 @@ def _said(result: Mapping[str, Any]) -> dict[str, Any]:
         found |= {"probability": result["any_mechanism"]["probability"], "mechanism": near, "reserve": one["reserve"]}
         found |= {"even_speed [m/s]": result["from_rest"]["even_load_speed"]}
         found |= {"frequency [Hz]": result["nominal"]["frequency"], "amplitude [m]": result["nominal"]["amplitude"]}
-    used = (row["worst"] / row["limit"] for key, row in rows.items() if row["limit"] and key != "holding_friction")
-    found |= {"limit_used": max(used, default=None)}
+    limited = [row for key, row in rows.items() if row["limit"] and row["worst"] and key != "holding_friction"]
+    found |= {"limit_used": max((row["worst"] / row["limit"] for row in limited), default=None)}
     found |= {"exceeded": "; ".join(key for key, row in rows.items() if row["exceeded"])}
     return found | {f"{key} [{row['unit']}]".removesuffix(" [1]"): row["worst"] for key, row in rows.items()}
