@@ -54,7 +54,7 @@ def test_each_row_is_answered_as_its_own_sheet(run):
         ("load.mas [kg]\n5\n", "", "All variants in v.csv are refused: load.mas is not a known key"),
         ("load.force\n5 lbz\n", "", "refused: load.force = '5 lbz' has the unit 'lbz'"),
         ("load.force [N]\n", "", "All variants in v.csv are refused: there are none"),
-        ("", "", "v.csv is not a table: No columns to parse from file."),
+        ("", "", "Cannot read v.csv: No columns to parse from file."),
         ("load.force [N]\n2,5\n", "", "v.csv is not a table: its rows have more cells"),
         ("load.force [N]\n5\n", "--out folder", "out = folder does not end in .csv"),
         ("load.force [N]\n5\n", "--samples 0", "samples = 0 is outside the allowed range"),

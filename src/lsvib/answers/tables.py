@@ -1,7 +1,6 @@
 """Answers as tables of pandas: as CSV, as JSON, and on the screen. Headings are names with units, ``time [s]``."""
 
 import math
-import os
 import shutil
 from collections.abc import Iterator
 from typing import Any
@@ -10,7 +9,6 @@ import numpy as np
 import xarray as xr
 
 from lsvib.answers.spans import evenly_chosen
-from lsvib.files import replacing
 from lsvib.words import table as in_columns
 
 
@@ -28,12 +26,6 @@ def table_of(dataset: xr.Dataset) -> Any:
             table[name] = table[name].map(dict(zip(values, words.split(), strict=True)))
         names[name] = f"{name} [{one.attrs.get('units', '1')}]".removesuffix(" [1]")
     return table[list(names)].rename(columns=names)
-
-
-def write_csv(table: Any, path: str | os.PathLike[str]) -> None:
-    """Write a table as CSV, whole or not at all; what does not exist is empty."""
-    with replacing(path) as (part,):
-        table.to_csv(part, index=False, lineterminator="\n")
 
 
 def records(table: Any) -> list[dict[str, Any]]:

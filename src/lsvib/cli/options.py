@@ -192,12 +192,12 @@ class Files:
     def write(self, dataset: "xr.Dataset", command: str = "lsvib", kind: str | None = None) -> None:
         """Write a dataset, and the picture of it, of a ``kind``."""
         from lsvib.answers.io import write_dataset
-        from lsvib.answers.tables import table_of, write_csv
+        from lsvib.answers.tables import table_of
         from lsvib.files import replacing
 
         with replacing(*self.paths) as parts:
             if self.out and self.out.suffix == ".csv":
-                write_csv(table_of(dataset), parts[0])
+                table_of(dataset).to_csv(parts[0], index=False, lineterminator="\n")
             elif self.out:
                 write_dataset(dataset, parts[0], command)
             if self.figure:

@@ -11,6 +11,7 @@ from cyclopts import Parameter
 from lsvib.cli.app import ProgressLine, app, show
 from lsvib.cli.options import AsJson, Files, Whole, require_folder
 from lsvib.errors import InputError
+from lsvib.files import write_text
 from lsvib.numbers import whole_between
 
 
@@ -108,11 +109,11 @@ def _assess_variants(table: Path, base: Path | None, out: Path | None, samples: 
     """Assess each row of a table, and write or show the table of answers."""
     Files(out, reads=table, ends=[".csv"])
     with _installed("assess", "assess"):
-        from lsvib.answers.tables import on_screen, records, write_csv
+        from lsvib.answers.tables import on_screen, records
         from lsvib.sheets.variants import ON_SCREEN, assess_variants
     rows = assess_variants(table, base, samples, seed, ProgressLine("variants"))
     if out:
-        write_csv(rows, out)
+        write_text(rows.to_csv(index=False, lineterminator="\n"), out)
     show({"rows": records(rows)}, as_json, on_screen(rows, ON_SCREEN, "--out table.csv"), out)
 
 

@@ -36,7 +36,8 @@ def assess_variants(
         parted = ";" if ";" in text.partition("\n")[0] else ","
         rows = pd.read_csv(StringIO(text), sep=parted, dtype=str, keep_default_na=False, skipinitialspace=True)
     except (OSError, ValueError) as error:  # pandas raises many kinds of the latter
-        raise InputError(f"{path} is not a table: {' '.join(str(error).split()).rstrip('.')}.") from None
+        reason = getattr(error, "strerror", None) or " ".join(str(error).split()).rstrip(".")
+        raise InputError(f"Cannot read {path}: {reason}.") from None
     if not isinstance(rows.index, pd.RangeIndex):
         raise InputError(f"{path} is not a table: its rows have more cells than the first line has headings.")
     for count, cells in enumerate(rows.to_dict("records"), 1):
