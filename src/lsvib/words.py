@@ -8,9 +8,10 @@ from typing import Any
 def table(rows: Iterable[Iterable[object]], *columns: str) -> str:
     """Return rows in columns, with a heading where there are names of columns."""
     from rich.console import Console
-    from rich.table import Table
+    from rich.table import Column, Table
 
-    made = Table(*columns, box=None, show_header=bool(columns), pad_edge=False, header_style="bold")
+    own = (Column(name, overflow="fold") for name in columns)  # on a narrow screen no letter is lost
+    made = Table(*own, box=None, show_header=bool(columns), pad_edge=False, header_style="bold")
     for row in rows:
         made.add_row(*map(str, row))
     # A file or a pipe has no width, so that no line is broken there.
