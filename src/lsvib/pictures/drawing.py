@@ -38,7 +38,8 @@ def phase_plane(
     mark_origin(axes)
     u, w = case.angle_deviation.values, np.append(case.velocity_deviation.values, float(case.stop_velocity))
     for limits, x in ((axes.set_xlim, u), (axes.set_ylim, w)):
-        limits(x.min() - margin * np.ptp(x), x.max() + margin * np.ptp(x))
+        room = margin * (np.ptp(x) or 1.0)  # of a motion at one place as well
+        limits(x.min() - room, x.max() + room)
 
 
 def label_axes(axes: style.Axes, dataset: xr.Dataset, title: str | None = None) -> None:

@@ -26,7 +26,7 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     case = case.expand_dims("start").assign(stop_velocity=-drive.input_speed)
     axes = (figure := style.new_figure(style.SINGLE, 3.3)).add_subplot()
     drawing.phase_plane(axes, case)
-    if drive.rigid and "command" not in dataset.attrs:
+    if drive.rigid and drive.input_speed and "command" not in dataset.attrs:
         drawing.draw_lines(axes, case.assign({name: own[0] for name, (_, own, _) in lines([drive]).items()}))
     else:
         drawing.draw_stop(axes, -drive.input_speed)
