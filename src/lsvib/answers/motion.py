@@ -93,11 +93,11 @@ class Simulation:
         times, codes, seizures = np.linspace(0.0, scene.duration, scene.samples), motion.automaton.codes, self._seizures
         asked = scene.outputs if outputs is None else outputs
         found = phase_plane.observed(motion, *motion.at(times), definition.modes, asked)
-        lead = scene.drive.pitch_radius * np.tan(scene.drive.lead_angle)  # of a radian
         for name in asked:
             if TABLE[name].carried:
                 turned = scene.command.angle(times) if scene.command else scene.drive.input_speed * times
-                found[name] = found[name][0] + lead * turned, found[name][1]
+                travel = scene.drive.pitch_radius * np.tan(scene.drive.lead_angle) * turned
+                found[name] = found[name][0] + travel, found[name][1]
             if TABLE[name].rubbed and seizures:
                 found[name][1]["comment"] = cf.WITHOUT_IMPULSES
         if scene.command:

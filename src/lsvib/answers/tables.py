@@ -38,8 +38,7 @@ def on_screen(table: Any, columns: list[str], file: str) -> Iterator[str]:
     """Yield columns, named without units, of evenly spread rows where not all fit a screen; ``file`` has all."""
     names = {name.partition(" [")[0]: name for name in table}
     chosen = [names[name] for name in columns if name in names and table[names[name]].notna().any()]
-    most = max(3, shutil.get_terminal_size().lines - 8)
-    places = evenly_chosen(len(table), most)
+    places = evenly_chosen(len(table), max(3, shutil.get_terminal_size().lines - 8))
     shown = ([row[name] for name in chosen] for row in records(table.iloc[places]))
     lines = ([f"{x:.5g}" if isinstance(x, float) else str(x or "") for x in row] for row in shown)
     yield in_columns(lines, *chosen)

@@ -19,9 +19,7 @@ def simulate(
     start: options.Start = None,
     duration: Annotated[float | None, Parameter(help="Time [s] that the motion is followed.")] = None,
     samples: Annotated[options.Whole | None, Parameter(help="Number of output times, both ends included.")] = None,
-    outputs: Annotated[
-        list[str] | None, Parameter(help="Observables to write.", consume_multiple=True, negative="")
-    ] = None,
+    outputs: Annotated[list[str] | None, Parameter(help="What to write.", consume_multiple=True, negative="")] = None,
     figure: options.Picture = None,
     as_json: options.AsJson = False,
 ) -> None:

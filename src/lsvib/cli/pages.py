@@ -29,9 +29,7 @@ def _installed(command: str, extra: str) -> Iterator[None]:
 def fit(
     sheet: Annotated[Path, Parameter(help="YAML file that names thread, load and tables; see docs/fit.md.")],
     *,
-    out: Annotated[
-        Path | None, Parameter(help="Folder to write fit.nc, fit.json, fit.png, fit.pdf and friction.yaml to.")
-    ] = None,
+    out: Annotated[Path | None, Parameter(help="Folder for dataset, JSON, pictures and friction.yaml.")] = None,
     as_json: AsJson = False,
 ) -> None:
     """Fit the friction of a screw to its torque over the speed: the law, its errors, and what the data cannot tell.
@@ -53,20 +51,12 @@ def fit(
 
 @app.command
 def assess(
-    sheet: Annotated[
-        Path | None, Parameter(help="YAML file of the data sheet, or CSV file of variants; see docs/assess.md.")
-    ] = None,
+    sheet: Annotated[Path | None, Parameter(help="Data sheet (YAML), or variants (CSV); docs/assess.md.")] = None,
     *,
     base: Annotated[Path | None, Parameter(help="Data sheet that has what a CSV file of variants leaves out.")] = None,
-    out: Annotated[
-        Path | None,
-        Parameter(help="Folder to write index.html, assessment.nc and assessment.json to; of variants a CSV file."),
-    ] = None,
+    out: Annotated[Path | None, Parameter(help="Folder for page, dataset and JSON; of variants a CSV file.")] = None,
     template: Annotated[bool, Parameter(negative="", help="Print a data sheet to fill in, and nothing else.")] = False,
-    samples: Annotated[
-        Whole | None,
-        Parameter(help="Drives drawn from the uncertainties, a power of two: 4096, or 64 a variant."),
-    ] = None,
+    samples: Annotated[Whole | None, Parameter(help="Drives drawn, a power of two: 4096, or 64 a variant.")] = None,
     seed: Annotated[Whole, Parameter(help="Seed of the samples.")] = 1,
     units: Annotated[Literal["si", "us"], Parameter(help="us: in, lbf, lbf·in and others beside SI units.")] = "si",
     as_json: AsJson = False,
