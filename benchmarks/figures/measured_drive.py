@@ -83,7 +83,8 @@ class Settings(FigureSettings):
 def build(settings: Values) -> xr.Dataset:
     """Fit the law of the files that are even, and follow the drive that this law and the jerks make."""
     from lsvib.sheets.torque.dataset import fit_variables
-    from lsvib.sheets.torque.law import Measured, fitted
+    from lsvib.sheets.torque.law import fitted
+    from lsvib.sheets.torque.measured import Measured
     from lsvib.sheets.torque.records import look
     from lsvib.sheets.torque.stick_slip import breaking, explained
     from lsvib.sheets.torque.tables import read_table, steady_point

@@ -14,7 +14,8 @@ from lsvib.sheets.draw import Draw
 from lsvib.sheets.report import of_statics, report
 from lsvib.sheets.sheet import Sheet
 from lsvib.sheets.statics import lets_go, statics
-from lsvib.sheets.torque.law import Measured, fitted
+from lsvib.sheets.torque.law import fitted
+from lsvib.sheets.torque.measured import Measured
 from lsvib.sheets.window import OperatingWindow
 from lsvib.stability.conditions import stability
 

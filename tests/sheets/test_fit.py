@@ -18,7 +18,8 @@ from lsvib.sheets.fit_output import as_json, blocks, flank_law, sentences
 from lsvib.sheets.fit_sheet import fit_sheet
 from lsvib.sheets.formulas import square_coefficient
 from lsvib.sheets.sheet import Friction
-from lsvib.sheets.torque.law import BREAKAWAY, Measured, fitted, halves, steady_torque
+from lsvib.sheets.torque.law import fitted
+from lsvib.sheets.torque.measured import BREAKAWAY, Measured, halves, steady_torque
 from lsvib.sheets.torque.tables import Recording, steady_point
 
 ROOT = Path(__file__).parents[2]

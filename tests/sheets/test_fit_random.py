@@ -14,7 +14,8 @@ from references.sizes import sizes
 import lsvib
 from lsvib.errors import LsvibError
 from lsvib.sheets.fit_output import text_of
-from lsvib.sheets.torque.law import FALL, PAIRS, Measured, fitted
+from lsvib.sheets.torque.law import FALL, PAIRS, fitted
+from lsvib.sheets.torque.measured import Measured
 
 MOST = 10.0  # seconds for a sheet
 

@@ -17,7 +17,8 @@ from lsvib.pictures.torque import residual_panel, torque_panel
 from lsvib.sheets.fit_sheet import OF_FLANKS, FittedSheet, fit_sheet
 from lsvib.sheets.formulas import flank_coefficient
 from lsvib.sheets.torque.dataset import fit_variables
-from lsvib.sheets.torque.law import BREAKAWAY, LARGEST_STATIC, PARAMETERS, Solution, load_of_directions
+from lsvib.sheets.torque.law import LARGEST_STATIC
+from lsvib.sheets.torque.measured import BREAKAWAY, PARAMETERS, Solution, load_of_directions
 from lsvib.sheets.torque.records import Record
 from lsvib.sheets.torque.starts import Number
 from lsvib.sheets.torque.stick_slip import StickSlip

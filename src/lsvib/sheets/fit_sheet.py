@@ -20,7 +20,8 @@ from lsvib.sheets import fields
 from lsvib.sheets.fields import NotQuantity, Spread
 from lsvib.sheets.formulas import GRAVITY, square_coefficient, thread_geometry
 from lsvib.sheets.sheet import Load, Part, Thread
-from lsvib.sheets.torque.law import Fit, Measured, Solution, fitted, steady_torque
+from lsvib.sheets.torque.law import Fit, fitted
+from lsvib.sheets.torque.measured import Measured, Solution, steady_torque
 from lsvib.sheets.torque.records import Record, look
 from lsvib.sheets.torque.starts import Array, Number
 from lsvib.sheets.torque.stick_slip import StickSlip, breaking, combined, explained

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from lsvib.answers.attributes import Variable, Variables, named_index, variable
-from lsvib.sheets.torque.law import BREAKAWAY, PARAMETERS, Fit, halves, steady_torque
+from lsvib.sheets.torque.law import Fit
+from lsvib.sheets.torque.measured import BREAKAWAY, PARAMETERS, halves, steady_torque
 from lsvib.sheets.torque.starts import Array
 from lsvib.sheets.torque.tables import Point
 

@@ -1,7 +1,7 @@
 """What the jerks of a screw tell of its drive: static friction, and spring and damper between command and screw.
 
 While the screw stands the torque climbs with the slope k Ω up to that at which it breaks loose, which makes the static
-coefficient (:mod:`lsvib.sheets.torque.law`). The damping c is bounded by which files jerk and which are even, as a
+coefficient (:mod:`lsvib.sheets.torque.measured`). The damping c is bounded by which files jerk and which are even, as a
 drive that starts from rest jerks for ever below its smallest even speed (:mod:`lsvib.stability.starting`). Motor and
 control are a spring k with a damper c to the commanded motion, as a PI controller of the speed is: k its integral gain,
 c its proportional one and the damping of the screw.
@@ -15,7 +15,7 @@ import numpy as np
 
 from lsvib.drives.drive import Drive
 from lsvib.errors import InputError, LsvibError
-from lsvib.sheets.torque.law import Measured, Solution
+from lsvib.sheets.torque.measured import Measured, Solution
 from lsvib.sheets.torque.records import Record
 from lsvib.sheets.torque.starts import Number
 from lsvib.stability.solve import bracketed_root
