@@ -60,7 +60,7 @@ def test_the_jerks_of_the_measured_screw(screw, tmp_path):
     result = as_json(screw)
     json.dumps(result, allow_nan=False)
     jerks = {record["file"]: record for record in result["records"] if record["kind"] == "jerks"}
-    assert set(jerks) == {"2.csv", "n2.csv"}
+    assert set(jerks) == {"drive1/2.csv", "drive1/n2.csv"}
     for record_ in jerks.values():
         assert 1 / record_["period"] == pytest.approx(2.489, abs=0.5 / 64)  # half of what the spectrum of 64 s resolves
         assert record_["stiffness"] == pytest.approx(0.0215, abs=0.0015)
@@ -134,7 +134,7 @@ def test_the_command_writes_all_and_says_what_it_found(screw, run):
     code, out, error = run("fit", str(SCREW), "--out", "fitted")
     assert (code, error) == (0, "")
     assert "not separable" in out
-    assert "Left out of n2.csv: the screw jerks 2.49 times a second" in out
+    assert "Left out of drive1/n2.csv: the screw jerks 2.49 times a second" in out
     files = {path.name for path in Path("fitted").iterdir()}
     assert files == {"fit.nc", "fit.json", "fit.png", "fit.pdf", "friction.yaml"}
     found = json.loads(Path("fitted/fit.json").read_text())
@@ -229,8 +229,8 @@ def test_what_was_left_out_is_said(tmp_path):
     found = fit_sheet(path)
     assert len(found.points) == 4 * SPEEDS.size - 1
     assert found.left_out == [
-        "03.csv: rows of a screw at rest (30)",
-        "04.csv: rows that are not numbers, or of another width (2)",
+        "load300/03.csv: rows of a screw at rest (30)",
+        "load300/04.csv: rows that are not numbers, or of another width (2)",
     ]
 
 

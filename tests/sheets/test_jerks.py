@@ -135,11 +135,11 @@ def test_starts_give_the_inertia_that_a_sheet_lacks(folder, tmp_path):
     assert all({"inertia", "standard_errors"} <= set(record) for record in starts)
     assert yaml.safe_load(blocks(result))["screw"]["inertia"]["mean"] == f"{value:.6g} kg*m^2"
     said = " ".join(result["said"])
-    assert f"tell an inertia of {value:.3g}" in said
+    assert f"tell an inertia of {value:.4g}" in said
     assert "Left out of start0.csv: start0.csv: " not in said
     assert "start0.csv inertia " in text_of(result)
-    with pytest.raises(InputError, match="jerks, starts or stops in all files"):
-        fit_sheet(sheet(tmp_path, measurements={**SHEET["measurements"], "files": "start*.csv"}))
+    starts = fit_sheet(sheet(tmp_path, measurements={**SHEET["measurements"], "files": "start*.csv"})).fit.main
+    assert abs(starts.values["friction_coefficient"] - 0.3) < 2.6 * starts.errors["friction_coefficient"] < 0.03
 
 
 def test_one_record_of_jerks_is_enough(folder):

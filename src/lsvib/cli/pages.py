@@ -34,8 +34,8 @@ def fit(
 ) -> None:
     """Fit the friction of a screw to its torque over the speed: the law, its errors, and what the data cannot tell.
 
-    Of records over time it also finds what jerks tell of static friction, spring and damper of the drive;
-    docs/measure.md says what to measure.
+    It reads what drives log: speed or position, torque or current. Of records over time it also finds the inertia, and
+    what jerks tell of static friction, spring and damper of the drive; docs/measure.md says what to measure.
 
     Examples of use:
 

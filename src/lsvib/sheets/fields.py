@@ -37,6 +37,8 @@ _KINDS = {  # of quantities, by the unit in which the package counts them, each 
     "N m s/rad": ("a rotational damping", "2e-4 N*m*s/rad"),
     "N s/m": ("a damping", "100 N*s/m"),
     "N": ("a force", "50 N"),
+    "A": ("a current", "2 A"),
+    "N m/A": ("a torque constant", "0.05 N*m/A"),
     "N m": ("a torque", "3 mN*m"),
     "N/m": ("a stiffness", "1e6 N/m"),
     "Hz": ("a frequency", "50 Hz"),
@@ -325,6 +327,8 @@ Speed = _positive({"rad/s": 1e6, "m/s": 1e3})
 Bandwidth = _field("Hz", 0.01, 1e5)
 Duration = _positive({"s": 1e3})
 Holding = _positive({"N m": 1e9})
+TorqueConstant = _positive({"N m/A": 1e6})
+Counts = _positive({"": 1e9})
 Ratio = _positive({"": 1e4})
 Coefficient = _field("", 0.0, 3.0)
 Efficiency = _field("", 0.001, 0.999)

@@ -74,7 +74,8 @@ def as_json(found: FittedSheet) -> dict[str, Any]:
         **_end(found, main),
         "points": len(found.points),
         "typical_torque": float(np.median(np.abs(measured.torque))),
-        "sliding_speeds": measured.sliding(measured.speeds[[0, -1]]).tolist(),
+        "speeds": measured.speeds[[0, -1]].tolist(),
+        "sliding_speeds": measured.sliding(measured.speeds[[0, -1]]).tolist() if found.half_angle is not None else None,
         "not_separable": [list(pair) for pair in fit.not_separable],
         "ends": {name: _end(found, end) for name, end in fit.ends.items()},
         "loads": loads,
@@ -84,7 +85,7 @@ def as_json(found: FittedSheet) -> dict[str, Any]:
         "records": [_record(table.record) for table in found.tables if table.record],
         "stick_slip": _stick_slip(found.stick_slip),
         "stick_slip_of_ends": {name: _stick_slip(told) for name, told in found.jerks.items()},
-        "inertia": dict(zip(("value", "standard_error"), found.inertia, strict=True)) if found.inertia else None,
+        "inertia": found.inertia and {"value": found.inertia[0], "standard_error": found.inertia[1] or None},
         "said": sentences(found),
     }  # fmt: skip
 
@@ -108,21 +109,21 @@ def _stick_slip(told: StickSlip | None) -> dict[str, Any] | None:
 
 def _record(record: Record) -> dict[str, Any]:
     """What a file is over time; values in SI units, each with its standard error in a table of its own."""
-    values = {key: value for key, value in vars(record).items() if value is not None}
+    values = {key: value for key, value in vars(record).items() if value is not None and key != "turning"}
     pairs = {key: value for key, value in values.items() if isinstance(value, tuple) and key != "said"}
-    errors = {"standard_errors": {key: error for key, (_, error) in pairs.items()}} if pairs else {}
+    errors = {"standard_errors": {key: error or None for key, (_, error) in pairs.items()}} if pairs else {}
     return values | {key: value for key, (value, _) in pairs.items()} | errors
 
 
 def _end(found: FittedSheet, end: Solution) -> dict[str, Any]:
     static = {_IN_BEARING[k]: value for k, value in end.bearing().items() if k in _IN_BEARING}
-    of_static = {_IN_BEARING.get(k, k): error if error == error else None for k, (_, error) in end.static.items()}
+    of_static = {_IN_BEARING.get(k, k): error if error > 0 else None for k, (_, error) in end.static.items()}
     return {
-        "friction": end.drive(),
+        "friction": end.drive() if found.half_angle is not None else {},
         "bearing": {name: end.values[name] for name in ("coulomb", "viscous")} | static,
         "offset": end.values["offset"],
         "sheet": flank_law(found, end),
-        "standard_errors": end.errors | of_static,
+        "standard_errors": {name: error or None for name, error in end.errors.items()} | of_static,
         "correlation": {"of": list(end.free), "matrix": end.correlation.tolist()},
         "rms": end.rms,
         "largest_residual": float(np.abs(end.residual).max()),
@@ -133,6 +134,8 @@ def _end(found: FittedSheet, end: Solution) -> dict[str, Any]:
 def flank_law(found: FittedSheet, solution: Solution) -> dict[str, Any]:
     """Return a friction law as the block ``friction`` of a data sheet, with coefficients of the flanks."""
     law, angle = solution.drive(), found.fit.measured.lead_angle
+    if found.half_angle is None:
+        return {}
     to_flank = float(flank_coefficient(1.0, angle, found.half_angle))
     known = {name: (value, solution.errors.get(name, 0.0)) for name, value in law.items()} | solution.static
     share = above(known, "friction_coefficient", "stribeck_rise", BREAKAWAY[0])
@@ -250,12 +253,13 @@ def _entries(result: dict[str, Any]) -> dict[str, Any]:
             ("torque", "coulomb", "N*m"), ("static", "static", "N*m"), ("viscous", "viscous", "N*m*s/rad")
         ) if key in bearing or (name == "torque" and "static" in bearing)
     }  # fmt: skip
-    found = {"friction": result["sheet"]} | ({"bearing": of_bearing} if of_bearing else {})
+    found = {"friction": result["sheet"]} if result["sheet"] else {}
+    found |= {"bearing": of_bearing} if of_bearing else {}
     if jerks and jerks["damping"]:
         found["coupling"] = {"stiffness": spread((jerks["stiffness"], jerks["standard_error"]), unit="N*m/rad")}
         found["damping"] = {"rotational": [f"{value:.6g} N*m*s/rad" for value in jerks["bounds"]]}
     if inertia:
-        found["screw"] = {"inertia": spread((inertia["value"], inertia["standard_error"]), unit="kg*m^2")}
+        found["screw"] = {"inertia": spread((inertia["value"], inertia["standard_error"] or 0.0), unit="kg*m^2")}
     return found
 
 

@@ -1,185 +1,38 @@
 """The sheet of a measurement: thread, load and tables with units; from it points, and the friction that fits them."""
 
 import math
-import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
-from itertools import chain
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Any
 
 import numpy as np
-from pydantic import BeforeValidator, Field, ValidationError
 
-from lsvib.drives.complaints import sentence_about
 from lsvib.drives.scene import read_yaml
 from lsvib.errors import InputError
-from lsvib.numbers import number, shown, whole
-from lsvib.sheets import fields
-from lsvib.sheets.fields import NotQuantity, Spread
+from lsvib.numbers import shown
+from lsvib.sheets.fit_entries import MeasuredSheet, Measurements
 from lsvib.sheets.formulas import GRAVITY, square_coefficient, thread_geometry
-from lsvib.sheets.sheet import Load, Part, Thread
 from lsvib.sheets.torque.law import Fit, fitted
 from lsvib.sheets.torque.measured import Measured, Solution, steady_torque
 from lsvib.sheets.torque.records import Record, look
-from lsvib.sheets.torque.starts import Array, Number
+from lsvib.sheets.torque.rows import moving_points, speed_of_position
+from lsvib.sheets.torque.starts import UNSURE, Array, Number
 from lsvib.sheets.torque.stick_slip import StickSlip, breaking, combined, explained
-from lsvib.sheets.torque.tables import REST, Point, read_table, refuse_record, row_points, steady_point
+from lsvib.sheets.torque.tables import REST, Point, Recording, read_table, refuse_record, row_points, steady_point
 
 MOST_FILES = 1000  # of one sheet, and of points some million
 LEAST_LOAD = 1e-6  # N
+NO_LEAD = 1e-15  # m a radian: the screw without thread, on a radius of 1 m, whose friction is all drag
+MOVED = ("start", "stop", "ramp")  # records in which the speed changes
+FEWEST, STEADY = 4, 0.05  # steady speeds, so much apart (relative), from which on they alone make the law
+AGAINST = 0.9  # of the points, with a torque against the speed: noise or its zero may spare the others
 OF_FLANKS = {  # entries of `friction`, coefficients of a flank, and the parameters that they are of the square thread
     "coefficient": "friction_coefficient",
     "stribeck_rise": "stribeck_rise",
     "slope": "friction_slope",
     "static": "static_friction_coefficient",
 }
-
-
-def _factor(value: Any) -> float:
-    found = number(value)
-    if not (math.isfinite(found) and found):
-        raise NotQuantity(f"= {shown(value)} is outside the allowed range: any finite number but 0")
-    return found
-
-
-def _column(value: Any) -> int:
-    found = whole(value)
-    if found < 1:
-        raise NotQuantity(f"= {found} is outside the allowed range 1 <= column")
-    return found
-
-
-def _separator(value: Any) -> str:
-    if not isinstance(value, str) or not re.fullmatch(r"[^\w\".+\-\r\n]", value):
-        raise NotQuantity(f"= {shown(value)} is not one sign that parts cells, such as a comma, a semicolon or a tab")
-    return value
-
-
-_Unit = tuple[float, str]  # the size of a unit in one of the package, and that
-
-
-def _unit(value: Any, *units: str) -> _Unit:
-    """Read the name of a unit that fits one of ``units``."""
-    if not isinstance(value, str) or not value.strip():
-        raise NotQuantity(f"= {shown(value)} is not the name of a unit")
-    try:
-        return fields.quantity(f"1 {value}", *units)
-    except NotQuantity as error:
-        raise NotQuantity(str(error).replace("'1 ", "'", 1)) from None
-
-
-class Column(Part):
-    """A column of a table, from 1; its numbers times ``factor`` are in ``unit``."""
-
-    column: Annotated[int, BeforeValidator(_column)]
-    factor: Annotated[float, BeforeValidator(_factor)] = 1.0
-
-
-class SpeedColumn(Column):
-    """Speed of the screw, or of the load."""
-
-    unit: Annotated[_Unit, BeforeValidator(lambda value: _unit(value, "rad/s", "m/s"))]
-
-
-class TorqueColumn(Column):
-    """Torque of the motor."""
-
-    unit: Annotated[_Unit, BeforeValidator(lambda value: _unit(value, "N m"))]
-
-
-class TimeColumn(Column):
-    """Time of the samples."""
-
-    unit: Annotated[_Unit, BeforeValidator(lambda value: _unit(value, "s"))]
-
-
-class Measurements(Part):
-    """Tables of one load: ``files`` beside the sheet, a pattern; by default several files are a point each.
-
-    With a column of ``time``, or the period of ``sampling``, they are records over time, in which jerks are looked for;
-    ``averaging``: the time over which the recorder averages each sample.
-    """
-
-    files: str = Field(min_length=1, max_length=500)
-    separator: Annotated[str, BeforeValidator(_separator)] = ","
-    decimal: Literal[".", ","] = "."
-    speed: SpeedColumn
-    torque: TorqueColumn
-    time: TimeColumn | None = None
-    sampling: fields.Duration | None = None
-    averaging: fields.Duration | None = None
-    point: Literal["file", "row"] | None = None
-    load: Load | None = None
-
-
-class Turning(Part):
-    """What turns: the inertia, by which jerks tell the damping."""
-
-    inertia: fields.Inertia
-
-
-class KnownFriction(Part):
-    """What is known of the friction of the flanks; the rest is fitted."""
-
-    coefficient: fields.Coefficient | None = None
-    slope: fields.Slope | None = None
-    stribeck_rise: fields.Coefficient | None = None
-    stribeck_speed: fields.SlidingSpeed | None = None
-    stribeck_exponent: Literal[1, 2] | None = None
-
-
-class KnownNut(Part):
-    """A nut of two halves that are pressed apart, as in a data sheet."""
-
-    preload: fields.Rubbing
-    load_share: fields.Share | None = None
-
-
-class KnownBearing(Part):
-    """What is known of the drag of bearing and slide, as torques of the screw; the rest is fitted."""
-
-    coulomb: fields.Drag | None = None
-    viscous: fields.TurningDamping | None = None
-
-
-class MeasuredSheet(Part):
-    """A whole sheet. ``offset``: the zero error of the torque, where it is known."""
-
-    name: str = Field(default="measured screw", min_length=1, max_length=200)
-    thread: Thread
-    load: Load | None = None
-    measurements: list[Measurements] = Field(min_length=1, max_length=100)
-    friction: KnownFriction = KnownFriction()
-    bearing: KnownBearing = KnownBearing()
-    nut: KnownNut | None = None
-    screw: Turning | None = None
-    offset: fields.Torque | None = None
-
-    @classmethod
-    def of(cls, values: Mapping[str, Any]) -> Self:
-        """Make a sheet from names and values; raises ``InputError`` in one sentence."""
-        found, alone = dict(values), isinstance(values.get("measurements"), Mapping)
-        if alone:
-            found["measurements"] = [found["measurements"]]
-        try:
-            sheet = cls.model_validate(found)
-        except ValidationError as error:
-            text = sentence_about(cls, error)
-            raise InputError(text.replace("measurements.0.", "measurements.") if alone else text) from None
-        if (problem := sheet.thread.problem()) is not None:
-            raise InputError(problem)
-        for path, entry in sheet.spreads().items():
-            if entry.uncertain:
-                raise InputError(f"{path} = {entry.text} is more than one value; a fit takes one.")
-        return sheet
-
-    def spreads(self) -> dict[str, Spread]:
-        """The quantities that are given, by name."""
-        blocks = (block.entries(f"measurements.{k}.") for k, block in enumerate(self.measurements))
-        entries = chain(self.entries(), *blocks, [("offset", self.offset)])
-        return {path: entry for path, entry in entries if isinstance(entry, Spread)}
 
 
 @dataclass(frozen=True)
@@ -189,7 +42,8 @@ class Table:
     ``mass`` [kg] that moves with the load, zero where it is not given.
 
     ``record``: what it is over time, with the mean ``speed`` [rad/s], zero of starts both ways, and the time ``blur``
-    over which a sample stands; None where each row is a point. ``look``: what makes it.
+    over which a sample stands; None where each row is a point. ``timed``: what was recorded, its
+    interval and over which time it was averaged [s]; ``used``: what is said of points of a changing speed.
     """
 
     load: float
@@ -199,12 +53,13 @@ class Table:
     speed: float
     blur: float
     said: list[str]
-    look: Callable[..., Record] | None = None
+    timed: tuple[Recording, float | None, float | None] | None = None
+    used: str = ""
 
 
 @dataclass(frozen=True)
 class FittedSheet:
-    """A sheet with its points (n), as read from the tables, and the fit; ``half_angle`` of the thread [rad].
+    """A sheet with its points (n), as read from the tables, and the fit; ``half_angle`` of a thread [rad], or None.
 
     ``jerks``: what jerks tell of each end of the fit; ``inertia`` [kg m²] of what turns, as starts tell it.
     """
@@ -213,7 +68,7 @@ class FittedSheet:
     points: list[Point]
     left_out: list[str]
     fit: Fit
-    half_angle: float
+    half_angle: float | None
     tables: list[Table]
     jerks: dict[str, StickSlip]
     inertia: Number | None
@@ -235,17 +90,42 @@ def fit_sheet(path: Path) -> FittedSheet:
     """Read the sheet and its tables, and fit the friction law; raises ``InputError`` in one sentence."""
     sheet = MeasuredSheet.of(read_yaml(path))
     entries = {key: entry.nominal for key, entry in sheet.spreads().items()}
-    lead, diameter, half_angle = thread_geometry(sheet, entries)
+    lead, diameter, half_angle = thread_geometry(sheet, entries) if sheet.thread else (math.tau * NO_LEAD, 2.0, None)
     angle = math.atan(lead / (math.pi * diameter))
-    tables = list(_tables(sheet, path.parent, lead))
+    tables, unsure = _by_rows(list(_tables(sheet, path.parent, lead)), entries.get("screw.inertia"))
+    jerks = [(table, table.record) for table in tables if table.record and table.record.kind == "jerks"]
+    points, measured = _measured(sheet, entries, tables, jerks, (0.5 * diameter, angle), unsure)
+    fit = fitted(measured, _known(sheet, entries, angle, half_angle))
+    even = [((table.points[0].speed, table.load, table.mass), table.blur) for table in tables
+            if table.points and table.record and table.record.kind == "even"]  # fmt: skip
+    records = {(table.speed, table.load, table.mass): record for table, record in jerks}
+    tables = [_started(table, measured, fit.main) for table in tables]
+    turning = [table.record.inertia for table in tables if table.record and table.record.inertia]
+    inertia = combined(turning, 0.0) if turning else None
+    given = entries.get("screw.inertia", inertia[0] if inertia else None)
+    told = {name: explained(measured, end, records, even, given) for name, end in fit.ends.items()}
+    known = {name: one for name, one in told.items() if one is not None}
+    said = [text for table in tables for text in table.said]
+    return FittedSheet(sheet.name, points, said, fit, half_angle, tables, known, inertia)
+
+
+def _measured(
+    sheet: MeasuredSheet,
+    entries: Mapping[str, float],
+    tables: Sequence[Table],
+    jerks: Sequence[tuple[Table, Record]],
+    screw: tuple[float, float],
+    unsure: float,
+) -> tuple[list[Point], Measured]:
+    """Return the points at which the screw turns, by load and speed, and all that was measured with them."""
     pairs = sorted(
         ((table.load, point) for table in tables for point in table.points), key=lambda one: (one[0], one[1].speed)
     )
-    jerks = [(table, table.record) for table in tables if table.record and table.record.kind == "jerks"]
     moving = [(point, load) for load, point in pairs if point.speed]
     if not moving and (jerks or not pairs):
-        does = "jerks" if len(jerks) == len(tables) else "jerks, starts or stops"
+        does = "jerks" if len(jerks) == len(tables) else "jerks or hardly turns"
         raise InputError(f"the screw {does} in all files, so none is a point of the friction law: measure more speeds.")
+    _driven(sheet.measurements[0], moving)
     # A file that begins at rest goes on in the direction in which it breaks away, a row at rest has that of its torque.
     starts = [(table, table.record) for table in tables if table.record and table.record.breakaway and table.speed]
     held = [
@@ -255,23 +135,56 @@ def fit_sheet(path: Path) -> FittedSheet:
         if point.breakaway is not None and (jerks or table.record is None or table.record.breakaway is None)
     ]
     torn, loose = breaking((1 if table.speed > 0 else -1, table.load, record) for table, record in jerks or starts)
-    speed, torque, load = np.array([(point.speed, point.torque, load) for point, load in moving]).reshape(-1, 3).T
+    rows = [(one.speed, one.torque, load, one.rate, one.speed_scatter if one.rate else 0.0) for one, load in moving]
+    speed, torque, load, rate, spread = np.array(rows).reshape(-1, 5).T
     nut = entries.get("nut.preload", 0.0), entries.get("nut.load_share", 1.0)
-    measured = Measured(
-        speed, torque, load, 0.5 * diameter, angle, np.array([*held, *torn]).reshape(-1, 3), *nut, loose
-    )
-    fit = fitted(measured, _known(sheet, entries, angle, half_angle))
-    even = [((table.points[0].speed, table.load, table.mass), table.blur) for table in tables
-            if table.points and table.record and table.record.kind == "even"]  # fmt: skip
-    records = {(table.speed, table.load, table.mass): record for table, record in jerks}
-    tables = [_started(table, measured, fit.main) for table in tables]
-    turning = [table.record.inertia for table in tables if table.record and table.record.inertia]
-    inertia = combined(turning) if turning else None
-    given = entries.get("screw.inertia", inertia[0] if inertia else None)
-    told = {name: explained(measured, end, records, even, given) for name, end in fit.ends.items()}
-    known = {name: one for name, one in told.items() if one is not None}
-    said = [text for table in tables for text in table.said]
-    return FittedSheet(sheet.name, [point for point, _ in moving], said, fit, half_angle, tables, known, inertia)
+    broken = np.array([*held, *torn] if sheet.thread else []).reshape(-1, 3)
+    every = Measured(speed, torque, load, *screw, broken, *nut, loose, rate, unsure, spread)
+    return [point for point, _ in moving], every
+
+
+def _by_rows(tables: list[Table], given: float | None) -> tuple[list[Table], float]:
+    """Return tables in which changes of speed are points too, where steady files show too few speeds.
+
+    Their torque is less what accelerates the inertia [kg m²] that they tell, or that is ``given``; with its error.
+    """
+    steady = {round(math.log(abs(point.speed)) / STEADY) for table in tables for point in table.points if point.speed}
+    changing = [table.record for table in tables if table.timed and table.record and table.record.kind in MOVED]
+    if len(steady) >= FEWEST or not changing:
+        return tables, 0.0
+    found = [record.turning for record in changing if record.turning]
+    inertia = combined(found, 0.0) if found else None
+    if given is not None and (inertia is None or inertia[1] > UNSURE * inertia[0]):
+        inertia = given, 0.0
+    rows = [_with_rows(table, inertia) if table.record in changing else table for table in tables]
+    return rows, inertia[1] if inertia else 0.0
+
+
+def _with_rows(table: Table, inertia: Number | None) -> Table:
+    """Return a table in which what changes is points, and what is said of them."""
+    if not table.timed or not (points := moving_points(*table.timed, inertia or (0.0, 0.0))):
+        return table
+    said = table.said[: table.timed[0].skipped > 0]  # of rows that are no numbers
+    most = max(abs(point.rate) for point in points)
+    less = f"less the torque that accelerates {inertia[0]:.4g} kg m²" if inertia else (
+        f"and what accelerates, at up to {most:.3g} rad/s², counts as friction: screw.inertia would take it off"
+    )  # fmt: skip
+    rows = sum(point.samples for point in points)
+    used = f"{points[0].name}: {rows} rows in which the screw turns count as {len(points)} points, {less}."
+    broke = next((point.breakaway for point in table.points if point.breakaway is not None), None)
+    return replace(table, points=[replace(points[0], breakaway=broke), *points[1:]], said=said, used=used)
+
+
+def _driven(block: Measurements, points: Sequence[tuple[Point, float]]) -> None:
+    """Refuse torques that are against the speed at every point, where no load [N] drives the screw."""
+    against = [point.torque * point.speed < 0 for point, _ in points]
+    if len(points) > 1 and np.mean(against) > AGAINST and any(load * point.speed >= 0 for point, load in points):
+        name, column = ("torque", block.torque) if block.torque else ("current", block.current)
+        factor = column.factor if column else 1.0
+        raise InputError(
+            "the torque is against the speed at every point, as if friction drove the screw: write factor: "
+            f"{-factor:g} in measurements.{name}" + (f" in place of {factor:g}." if factor != 1 else ".")
+        )
 
 
 def _started(table: Table, measured: Measured, solution: Solution) -> Table:
@@ -280,7 +193,7 @@ def _started(table: Table, measured: Measured, solution: Solution) -> Table:
     A turn of one radian moves it by r_m tan λ. Where it starts or stops more steeply than its load, the force on the
     threads changes its sign, and friction with the flank.
     """
-    if table.look is None or table.record is None or table.record.kind == "even" or not table.mass:
+    if table.timed is None or table.record is None or table.record.kind == "even" or not table.mass:
         return table
     lead = measured.pitch_radius * math.tan(measured.lead_angle)
     fastest = measured.speeds[-1]
@@ -294,16 +207,17 @@ def _started(table: Table, measured: Measured, solution: Solution) -> Table:
         )
         return np.asarray(more - even)
 
-    return replace(table, record=table.look(load=moved))
+    return replace(table, record=look(*table.timed, moved))
 
 
-def _known(sheet: MeasuredSheet, entries: Mapping[str, float], angle: float, half_angle: float) -> dict[str, float]:
+def _known(
+    sheet: MeasuredSheet, entries: Mapping[str, float], angle: float, half_angle: float | None
+) -> dict[str, float]:
     """What the sheet gives of friction and drag, by names of the fit, friction of the square thread."""
-    found = {
-        name: float(square_coefficient(entries[f"friction.{entry}"], angle, half_angle))
-        for entry, name in OF_FLANKS.items()
-        if f"friction.{entry}" in entries
-    }
+    found = {"friction_coefficient": 0.0, "stribeck_rise": 0.0, "friction_slope": 0.0, "stribeck_exponent": 1.0}
+    if half_angle is not None:  # else all friction is drag
+        found = {name: float(square_coefficient(entries[f"friction.{entry}"], angle, half_angle))
+                 for entry, name in OF_FLANKS.items() if f"friction.{entry}" in entries}  # fmt: skip
     paths = {"stribeck_speed": "friction.stribeck_speed", "coulomb": "bearing.coulomb", "viscous": "bearing.viscous"}
     found |= {name: entries[path] for name, path in {**paths, "offset": "offset"}.items() if path in entries}
     if sheet.friction.stribeck_exponent is not None:
@@ -315,35 +229,38 @@ def _tables(sheet: MeasuredSheet, folder: Path, lead: float) -> Iterator[Table]:
     """Read all tables of a sheet."""
     for k, block in enumerate(sheet.measurements):
         place = f"measurements.{k}" if len(sheet.measurements) > 1 else "measurements"
-        if (load := block.load or sheet.load) is None:
+        if (problem := block.misfit(place)) is not None:
+            raise InputError(problem)
+        load = block.load or sheet.load
+        if load is None and sheet.thread:
             raise InputError(f"load is missing, and so is {place}.load.")
-        force, mass, tilt = (entry.nominal if entry else 0.0 for entry in (load.force, load.mass, load.orientation))
+        three = (load.force, load.mass, load.orientation) if load else (None,) * 3
+        force, mass, tilt = (entry.nominal if entry else 0.0 for entry in three)
         under = float(force + mass * GRAVITY * math.sin(tilt)), mass  # against outward travel
-        if max(abs(under[0]), sheet.nut.preload.nominal if sheet.nut else 0.0) < LEAST_LOAD:
+        if load and max(abs(under[0]), sheet.nut.preload.nominal if sheet.nut else 0.0) < LEAST_LOAD:
             name = f"{place}.load" if block.load else "load"
             raise InputError(
                 f"{name} makes no axial force of at least {LEAST_LOAD:g} N: give its force, or a mass with an "
-                "orientation."
+                "orientation, or leave out thread and load to have all friction as drag."
             )
-        if block.separator == block.decimal:
-            raise InputError(f"{place}.separator and {place}.decimal are both {shown(block.decimal)}.")
-        if block.time is not None and block.sampling is not None:
-            raise InputError(f"{place}.time and {place}.sampling are both given; give one of them.")
-        if block.point == "row" and (block.time or block.sampling):
-            raise InputError(f"{place}.point: row makes each row a point, and a time of samples the file a record.")
+        motion = block.speed or block.position
+        if not sheet.thread and motion and motion.unit[1] in ("m", "m/s"):
+            raise InputError("thread is missing, by whose lead a speed or position of the load turns the screw.")
         files = _files(f"{place}.files", block.files, folder)
         for file in files:
-            yield _table(file, block, under, lead, len(files) == 1)
+            name = file.relative_to(folder).as_posix() if file.is_relative_to(folder) else file.name
+            yield _table(file, name, block, under, lead, len(files) == 1)
 
 
-def _table(path: Path, block: Measurements, under: tuple[float, float], lead: float, alone: bool) -> Table:
+def _table(path: Path, name: str, block: Measurements, under: tuple[float, float], lead: float, alone: bool) -> Table:
     """Read one table, ``alone`` in its block, as points or as a record; ``under``: which load [N], and mass [kg]."""
-    columns: list[Any] = [block.speed, block.torque, *([block.time] if block.time else [])]
-    factors = [column.factor * column.unit[0] for column in columns]
-    factors[0] *= 2 * math.pi / lead if block.speed.unit[1] == "m/s" else 1.0  # from the load's speed to the screw's
+    columns: list[Any] = [block.speed or block.position, block.torque or block.current]
+    columns += [block.time] if block.time else []
+    factors = [column.size for column in columns]
+    factors[0] *= math.tau / lead if columns[0].unit[1] in ("m", "m/s") else 1.0  # from the load's to the screw's
     table = read_table(path, [column.column for column in columns], factors, block.separator, block.decimal)
-    timed = block.time or block.sampling
-    lost = f"{path.name}: rows that are not numbers, or of another width ({table.skipped})"
+    table, timed = replace(table, name=name), block.time or block.sampling
+    lost = f"{name}: rows that are not numbers, or of another width ({table.skipped})"
     skipped = [lost] if table.skipped else []
     if block.point == "row" or (block.point is None and alone and not timed):
         if block.point is None:
@@ -352,14 +269,17 @@ def _table(path: Path, block: Measurements, under: tuple[float, float], lead: fl
     interval, window = (entry.nominal if entry else None for entry in (block.sampling, block.averaging))
     if table.skipped:
         interval = None  # it is not known where rows are lost
-    again = partial(look, table, interval, window)
-    record, mean = again() if timed else None, float(table.speed.mean())
+    if block.position:
+        table, interval = speed_of_position(table, interval)
+        window = max(window or 0.0, interval)
+    record, mean = look(table, interval, window) if timed else None, float(table.speed.mean())
     blur = window or interval or (float(np.median(np.diff(table.time))) if table.time is not None else 0.0)
     if record is not None and record.kind == "jerks":
         return Table(*under, [], record, mean, blur, [*skipped, record.said[0].removesuffix(".")])
-    moved = record is not None and record.kind in ("start", "stop", "ramp")
+    moved = record is not None and record.kind in MOVED
     if moved and min(-table.speed.min(), table.speed.max()) > REST * np.ptp(table.speed):
         mean = 0.0
+    again = table, interval, window
     try:
         point = steady_point(table)
     except InputError:
@@ -371,8 +291,8 @@ def _table(path: Path, block: Measurements, under: tuple[float, float], lead: fl
         "first samples, before the speed was steady": point.transient,
         "spikes of the torque": point.spikes,
     }
-    said = [f"{path.name}: {words} ({count})" for words, count in counts.items() if count]
-    return Table(*under, [point], record, mean, blur, skipped + said, again)
+    said = [f"{name}: {words} ({count})" for words, count in counts.items() if count]
+    return Table(*under, [point], record, mean, blur, skipped + said, again if timed else None)
 
 
 def _files(name: str, pattern: str, folder: Path) -> list[Path]:

@@ -29,7 +29,6 @@ from lsvib.sheets.torque.measured import (
     Measured,
     Solution,
     load_of_directions,
-    steady_torque,
 )
 from lsvib.sheets.torque.starts import Array, Number
 
@@ -181,7 +180,7 @@ def _solved(measured: Measured, fixed: Mapping[str, float]) -> Solution:
     def misfit(x: Array) -> Array:
         """Residuals in units of ``size``."""
         values = {**fixed, **dict(zip(free, numbers @ x, strict=True))}
-        return np.asarray((measured.torque - steady_torque(values, measured, measured.speed, measured.load)) / size)
+        return (measured.torque - measured.model(values)) / size
 
     def run(start: Array, **loss: Any) -> Any:
         return least_squares(misfit, start, bounds=(low, high), **loss)
@@ -197,10 +196,11 @@ def _solved(measured: Measured, fixed: Mapping[str, float]) -> Solution:
         found = run(found.x, loss="soft_l1", f_scale=LOSS * spread)
     inverse = np.linalg.pinv(found.jac)  # weighed, so that the Jacobian's square is the curvature of the loss
     covariance = numbers @ (inverse @ inverse.T) @ numbers.T
+    moved = numbers @ (inverse @ np.broadcast_to(measured.unsure / size * measured.rate, measured.speed.shape))
     settled = numbers @ np.where(np.abs(found.x) < AT_ZERO, 0.0, found.x)
     values = {**fixed, **dict(zip(free, settled.tolist(), strict=True))}
     alone = Solution(values, free, covariance, found.fun * size)
-    return replace(alone, covariance=covariance * (alone.scatter / size) ** 2)
+    return replace(alone, covariance=covariance * (alone.scatter / size) ** 2 + np.outer(moved, moved))
 
 
 def _bounds(measured: Measured, fixed: Mapping[str, float], free: Sequence[str]) -> tuple[Array, Array]:
@@ -247,7 +247,7 @@ def _undetermined(measured: Measured, at: Solution, alike: bool) -> tuple[Array,
     for name in free:
         step = 1e-4 * sizes[name]
         ends = [{**at.values, name: at.values[name] + s * step} for s in (1, -1)]
-        up, down = (steady_torque(end, measured, measured.speed, measured.load) for end in ends)
+        up, down = (measured.model(end) for end in ends)
         columns.append((up - down) / 2e-4)
     noise = max(at.scatter, 1e-9 * sizes["coulomb"])
     _, singular, rows = np.linalg.svd(np.array(columns).T / noise, full_matrices=False)

@@ -42,7 +42,9 @@ class Measured:
 
     ``breakaway`` (k, 3): direction ±1, torque [N m] and load [N] at which a screw at rest began to turn. ``preload``
     [N] and ``load_share`` of a nut of two halves, :func:`lsvib.drives.mechanics.relieved_half`. ``loose``: standard
-    error of the breakaway torques, relative, that all of them may have in common.
+    error of the breakaway torques, relative, that all of them may have in common. ``rate`` (n) of the speed [rad/s²],
+    whose torque was taken off by an inertia of a standard error ``unsure`` [kg m²].
+    ``spread`` (n) of the speeds over which it is a mean [rad/s].
     """
 
     speed: Array
@@ -54,11 +56,20 @@ class Measured:
     preload: float = 0.0
     load_share: float = 1.0
     loose: float = 0.0
+    rate: Array | float = 0.0
+    unsure: float = 0.0
+    spread: Array | float = 0.0
 
     @property
     def directions(self) -> int:
         """Number of directions of turning, 1 or 2."""
         return np.unique(np.sign(self.speed)).size
+
+    def model(self, values: Mapping[str, Any]) -> Array:
+        """Return the torque of a law [N m], by names of :data:`PARAMETERS`, in the mean over the spread of speeds."""
+        spread = np.minimum(self.spread, 0.5 * np.abs(self.speed))
+        ends = (self.speed + side * spread for side in ((1, -1) if np.any(spread) else (0,)))
+        return np.asarray(np.mean([steady_torque(values, self, end, self.load) for end in ends], axis=0))
 
     @property
     def speeds(self) -> Array:
@@ -74,7 +85,7 @@ class Measured:
         torque, fastest = float(np.median(np.abs(self.torque))), float(self.speeds[-1])
         force = float(np.median(np.abs(self.load)))
         rubs = force + 2 * relieved_half(force, self.preload, self.load_share)
-        level = torque / (self.pitch_radius * rubs)
+        level = torque / (self.pitch_radius * (rubs or 1.0))
         sliding = self.sliding(fastest)
         sizes = (level, level, sliding, level / sliding, torque, torque / fastest, torque)
         return dict(zip(PARAMETERS, sizes, strict=True))
@@ -171,7 +182,7 @@ def load_of_directions(measured: Measured, solution: Solution) -> float | None:
 
     To lift takes more than to lower, by r_m W (tan(φ + λ) − tan(φ − λ)); None where one direction was measured only.
     """
-    if measured.directions == 1:
+    if measured.directions == 1 or not measured.load.any():
         return None
     law = SimpleNamespace(**solution.values)
     mu = float(np.median(np.maximum(friction.unbounded(law, measured.sliding(measured.speed))[0], 0.0)))

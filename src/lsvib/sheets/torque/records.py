@@ -19,7 +19,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from lsvib.sheets.torque.starts import Array, Moved, Number, told
+from lsvib.sheets.torque.starts import Array, Moved, Number, grain, told
 from lsvib.sheets.torque.tables import REST, SPIKE, Recording, drifts
 
 Kind = Literal["rest", "even", "ramp", "start", "stop", "jerks"]
@@ -53,7 +53,8 @@ class Record:
 
     ``period`` [s], ``slope`` of the ramps [N m/s] and ``stiffness`` [N m/rad], the torque at ``breakaway`` and
     ``after`` the slip in the direction of turning [N m], and the number of ``teeth``. Starts and stops tell the
-    ``inertia`` of all that turns [kg m²], less that of a known mass that moves with it, and ``breakaway``.
+    ``inertia`` of all that turns [kg m²], less that of a known mass that moves with it, and ``breakaway``; ``turning``
+    is that inertia also where its error is so large that it is not told.
     """
 
     file: str
@@ -65,6 +66,7 @@ class Record:
     breakaway: Number | None = None
     after: Number | None = None
     inertia: Number | None = None
+    turning: Number | None = None
     teeth: int | None = None
 
 
@@ -97,17 +99,13 @@ def look(
     ``averaging``: the window over which the recorder averages, None where it is unknown, up to an interval.
     ``load``: as in :func:`lsvib.sheets.torque.starts.told`.
     """
-    recording = _filled(recording)
+    recording, step = evenly(recording, interval)
     name, speed = recording.name, recording.speed
     mean = float(speed.mean())
     either_way = speed.min() < 0 < speed.max() and abs(mean) < 3 * speed.std() / math.sqrt(speed.size)
     slowly = bool(speed[1:] @ speed[:-1] > SLOWLY * (speed @ speed))  # one way, then the other
     if (either_way and not slowly) or not speed.any() or np.count_nonzero(speed) < min(TEETH, speed.size):
         return Record(name, "rest", (f"{name}: the screw rests, or turns as much one way as the other.",))
-    at, order = recording.time, np.arange(speed.size)
-    step = interval or (0.0 if at is None else float(at[-1] - at[0]) / max(speed.size - 1, 1))
-    if step <= 0 or (not interval and at is not None and np.abs(at - at[0] - step * order).max() > UNEVEN * step):
-        step = 0.0
     resting = np.abs(speed) < REST * (np.abs(speed).mean() if either_way else abs(mean))
     runs = np.diff(np.flatnonzero(np.concatenate([[True], ~resting, [True]]))) - 1  # of rests about samples that turn
     inner = runs[1:-1] if np.count_nonzero(runs[1:-1]) > 2 else runs[:0]  # of jerks; a rest or two part starts
@@ -139,6 +137,27 @@ def look(
     return _numbers(name, speed, torque, teeth, step, averaging)
 
 
+def evenly(recording: Recording, interval: float | None) -> tuple[Recording, float]:
+    """Return a recording at even times, straight lines where rows are lost or uneven, and their interval [s].
+
+    It is zero where times are not known, do not ascend or leave out too much; those may be rounded.
+    """
+    at = recording.time
+    if interval or at is None or at.size < 2:
+        return recording, interval or 0.0
+    step, gaps = float(at[-1] - at[0]) / (at.size - 1), np.diff(at)
+    off = np.abs(at - at[0] - step * np.arange(at.size)).max()
+    rounded = grain(gaps)  # of a time; a row that is lost makes a gap of a whole step more
+    if step > 0 and off <= max(UNEVEN * step, 1.001 * rounded * (rounded < 0.75 * step)):
+        return recording, step
+    step = float(np.median(gaps))
+    if gaps.min() <= 0 or at[-1] - at[0] > (1 + SPOILED) * at.size * step:
+        return recording, 0.0
+    even = np.arange(at[0], at[-1] + 0.5 * step, step)
+    found = {name: np.interp(even, at, getattr(recording, name)) for name in ("speed", "torque")}
+    return replace(recording, **found, time=even), step
+
+
 def _moved(
     recording: Recording, kind: Kind, said: str, step: float, averaging: float | None, load: Moved | None
 ) -> Record:
@@ -149,19 +168,6 @@ def _moved(
     if not why:
         numbers, more = told(recording.speed, recording.torque, step, averaging, load)
     return Record(recording.name, kind, (said, *(f"{recording.name}: {text}" for text in more)), **numbers)
-
-
-def _filled(recording: Recording) -> Recording:
-    """The recording with a straight line in the place of single rows that are lost, if the time shows a few of them."""
-    at = recording.time
-    if at is None or at.size < SHORTEST or not (np.diff(at) > 0).all():
-        return recording
-    place = np.round((at - at[0]) / np.median(np.diff(at)))
-    order = np.arange(place[-1] + 1)
-    if not at.size < order.size <= (1 + SPOILED) * at.size or (np.diff(place) < 1).any():
-        return recording
-    filled = {name: np.interp(order, place, getattr(recording, name)) for name in ("speed", "torque", "time")}
-    return replace(recording, **filled)
 
 
 def _told(speed: Array, torque: Array, stops: bool) -> tuple[Teeth, str]:

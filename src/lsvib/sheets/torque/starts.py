@@ -30,6 +30,7 @@ APART = 0.01  # of what accelerates, that neither friction nor load explain: of 
 SPARE = 8  # samples more than numbers of a law
 STANDS_OUT = 0.15  # of the largest rate of the speed, and
 NOISE = 4.0  # times its usual rate in even turning: less is no ramp
+FAR, NEAR = 4, 5  # samples from which on noise of rates is independent, and up to which that of torques may be alike
 QUANTUM = 0.2  # of a step of rounding, over an interval: standard deviation that it gives the rate
 CORNER = 0.2  # of what changes at the corner of a ramp, which averages over no time or a sample show differently
 FADING = (0.0, 0.1, 0.2, 0.4, 0.8)  # of the largest speed: over which a rise of friction may fade; 0 is none
@@ -48,7 +49,7 @@ def told(
     ``load``: the torque [N m] that what moves along the axis takes, at speeds and their rates, if it is known.
     """
     # The rounding of a slow speed does not average out.
-    rounded = float(np.diff(np.unique(speed)).min(initial=np.ptp(speed)))
+    rounded = grain(speed)
     found, why = _of_ramps(speed, torque, step, averaging or 0.0, rounded, load)
     said = [f"no inertia is told, as {why}."] if why else []
     rests = np.abs(speed) < REST * np.abs(speed).max()
@@ -57,6 +58,12 @@ def told(
         found |= {"breakaway": breakaway} if not why else {}
         said += [f"no breakaway torque is told, as {why}."] if why else []
     return found, said
+
+
+def grain(values: Array) -> float:
+    """Return the step to which values are rounded: the least by which they, or what is between two, differ."""
+    gaps = np.round(np.diff(np.unique(values)), 12 - math.ceil(math.log10(np.abs(values).max() + 1e-99)))
+    return float(np.diff(np.unique(np.append(gaps, 0.0))).min(initial=np.ptp(values)))
 
 
 def _of_ramps(
@@ -69,17 +76,29 @@ def _of_ramps(
     mixed = np.convolve(stops, np.ones(2 * reach + 1), "same") > 0 if 2 * reach < speed.size else stops | True
     turns = 1 + np.flatnonzero(~mixed[1:-1])
     rate = (speed[turns + 1] - speed[turns - 1]) / (2 * step)
-    usual = NOISE * (1.4826 * float(np.median(np.abs(rate))) + QUANTUM * rounded / step) if turns.size else 0.0
-    ramp = np.abs(rate) > max(STANDS_OUT * float(np.abs(rate).max(initial=0.0)), usual)
+    least = STANDS_OUT * float(np.abs(rate).max(initial=0.0))
+    mostly = rate.size > 2 * FAR and float(np.median(np.abs(rate))) > least
+    # Where ramps fill more than half, the usual rate is noise, which varies three times as much in the difference of
+    # two that share a speed; and rates with noise of their own show the way of the speed.
+    noise = _usual(rate[2:] - rate[:-2]) / math.sqrt(3) if mostly else _usual(rate)
+    usual = NOISE * (noise + QUANTUM * rounded / step)
+    way = 0.5 * (np.roll(rate, FAR) + np.roll(rate, -FAR)) if mostly else rate
+    ramp = np.abs(way) > max(least, usual)
     # Of a ramp near the noise, the samples that stand out would be those that noise makes larger.
     if np.count_nonzero(ramp) >= FEWEST and np.median(np.abs(rate[ramp])) > 1.5 * usual:
-        inertia, why = _inertia(speed, torque, step, turns, np.where(ramp, np.sign(rate), 0.0), load)
-        return {} if why else {"inertia": inertia}, why
+        inertia, why = _inertia(speed, torque, step, turns, np.where(ramp, np.sign(way), 0.0), load)
+        known = {"turning": inertia} if inertia[1] else {}
+        return known if why else known | {"inertia": inertia}, why
     if speed.size >= 2 * SHORTEST:
         even = speed.size // 2 * 2
         speeds, torques = (x[:even].reshape(-1, 2).mean(axis=1) for x in (speed, torque))
         return _of_ramps(speeds, torques, 2 * step, averaging + step, rounded, load)
     return {}, f"the speed does not clearly change in {FEWEST} samples in which the screw surely turns"
+
+
+def _usual(rate: Array) -> float:
+    """Return the usual rate of the speed, that of even turning or noise."""
+    return 1.4826 * float(np.median(np.abs(rate))) if rate.size else 0.0
 
 
 def _inertia(
@@ -109,8 +128,8 @@ def _inertia(
             return (0.0, 0.0), "without even turning acceleration is not told from friction"
         inertia = float(weight @ torques) / size
         left = torques - inertia * free
-        variance, count = _variance(weight, left, base.shape[1] + 1)
-        variance += float(weight**2 @ (left**2 + (CORNER * bent) ** 2))
+        serial, count = _variance(weight, left, base.shape[1] + 1)
+        variance = max(serial, float(weight**2 @ left**2)) + float(weight**2 @ (CORNER * bent) ** 2)
         fits.append((inertia, math.sqrt(variance) / size, float(left @ left), count))
     value, error, misfit, alike = np.array(fits).T
     least = max(misfit.min() / (at.size - len(columns) - 2), 1e-30) * alike[misfit.argmin()]
@@ -125,8 +144,11 @@ def _variance(weight: Array, left: Array, numbers: int) -> Number:
     """Return the variance of a weighed sum of residuals, as alike as they are anywhere, and how many count as one."""
     size = left.size
     alike, both = (np.fft.irfft(np.abs(np.fft.rfft(x, 2 * size)) ** 2)[: size // 4] for x in (left, weight))
-    alike *= np.linspace(1, 0, size // 4, endpoint=False) / size  # covariances, fading to zero (Bartlett)
-    total = max(2 * float(alike @ both) - alike[0] * both[0], alike[0] * both[0])
+    alike /= size
+    # What is fitted leaves no residual like the weight, but noise of neighbours, which Simpson's rule makes alike.
+    near = 2 * float(alike[:NEAR] @ both[:NEAR]) - alike[0] * both[0]
+    alike *= np.linspace(1, 0, size // 4, endpoint=False)  # covariances, fading to zero (Bartlett)
+    total = max(2 * float(alike @ both) - alike[0] * both[0], near, alike[0] * both[0])
     count = 2 * float(alike.sum()) / max(alike[0], 1e-300) - 1
     return float(total * size / (size - numbers)), max(1.0, count)
 

@@ -56,13 +56,13 @@ class StickSlip:
         return 0.5 * (self.damping[0] + self.damping[1]) if self.damping and self.damping[0] else None
 
 
-def combined(found: Sequence[Number]) -> Number:
-    """Return the weighed mean of slopes; where they differ by more than their errors say, its error is larger."""
+def combined(found: Sequence[Number], bent: float = BENT) -> Number:
+    """Return the weighed mean; its error is larger where values differ by more, and holds what is ``bent`` in all."""
     values, errors = np.array(found).T
     weights = 1 / errors**2
     mean = float(np.sum(weights * values) / weights.sum())
     excess = np.sum(weights * (values - mean) ** 2) / max(len(found) - 1, 1)
-    return mean, math.hypot(math.sqrt(max(1.0, float(excess)) / weights.sum()), BENT * mean)
+    return mean, math.hypot(math.sqrt(max(1.0, float(excess)) / weights.sum()), bent * mean)
 
 
 def explained(

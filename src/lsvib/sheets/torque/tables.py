@@ -49,7 +49,8 @@ class Point:
     """Steady motion: means of ``speed`` [rad/s] and ``torque`` [N m] with the scatter of the samples about them.
 
     ``samples``: of how many; left out were ``transient`` first samples and ``spikes``. ``breakaway``: the largest
-    torque [N m] of a screw at rest that then began to turn, None where it turned all the time.
+    torque [N m] of a screw at rest that then began to turn, None where it turned all the time. ``rate`` of the speed
+    [rad/s²]: of what it accelerates the torque is free.
     """
 
     name: str
@@ -61,6 +62,7 @@ class Point:
     transient: int = 0
     spikes: int = 0
     breakaway: float | None = None
+    rate: float = 0.0
 
 
 def read_table(
@@ -68,19 +70,24 @@ def read_table(
 ) -> Recording:
     """Read speed, torque and, if it is asked for, time from ``columns`` (from 1), times ``factors`` to rad/s, N m, s.
 
+    A position in rad may stand in the place of the speed.
     Rows count that have as many cells as most rows have, and numbers in all columns. Raises ``InputError``.
     """
     try:
-        rows = [row for row in csv.reader(_text(path).splitlines(), delimiter=separator) if any(row)]
+        lines = _text(path).splitlines()
+        blank = separator == " "  # of which any number parts two cells
+        rows = [row for row in (map(str.split, lines) if blank else csv.reader(lines, delimiter=separator)) if any(row)]
     except csv.Error as error:
         raise InputError(f"{path} is not a table: {error}.") from None
     if not rows:
         raise InputError(f"{path} is empty.")
     width = Counter(map(len, rows)).most_common(1)[0][0]
     if width < max(columns):
+        wanted = max(columns) - 1
+        other = next((sign for sign in ";\t, " if all(line.count(sign) >= wanted for line in lines[-3:])), separator)
         raise InputError(
             f"{path} has {width} column{'s' * (width > 1)} where they are parted by {shown(separator)}, and no column "
-            f"{max(columns)}."
+            f"{max(columns)}{f'; they seem to be parted by {shown(other)}' * (other != separator)}."
         )
     places = [k for k, row in enumerate(rows) if len(row) == width]
     own = [rows[k] for k in places]
@@ -93,9 +100,10 @@ def read_table(
             raise InputError(f"{path} has a point in {shown(cell)}, where the decimal sign is a comma.")
     for column, holds in zip(columns, np.isfinite(found).any(axis=0), strict=True):
         if not holds:
-            raise InputError(
-                f"{path} has no number in column {column}, whose last cell is {shown(own[-1][column - 1])}."
-            )
+            last = own[-1][column - 1]
+            hint = "; where a comma is the decimal sign, give decimal: ','" if "," in last and decimal == "." else ""
+            hint = next((f"; cells seem to be parted by {shown(sign)}" for sign in ";\t" if sign in last), hint)
+            raise InputError(f"{path} has no number in column {column}, whose last cell is {shown(last)}{hint}.")
     kept = np.isfinite(found).all(axis=1)
     if not kept.any():
         raise InputError(f"{path} has no row with numbers in columns {' and '.join(map(str, columns))}.")
@@ -143,8 +151,9 @@ def steady_point(recording: Recording) -> Point:
     mean, scatter = float(speed[kept].mean()), _scatter(speed[kept])
     if scatter > 2 * abs(mean) or drifts(speed[begin:]):
         raise InputError(
-            f"{recording.name} does not run at one speed, but from {speed.min():.4g} to {speed.max():.4g} rad/s; "
-            "cut it to its steady motion, or, if each row is steady motion of its own, give measurements.point: row."
+            f"{recording.name} does not run at one speed, but from {speed.min():.4g} to {speed.max():.4g} rad/s; give "
+            "measurements.time or measurements.sampling, by which changes of speed are taken into account, or, if each "
+            "row is steady motion of its own, measurements.point: row."
         )
     resting = np.abs(speed[:begin]) < REST * abs(mean)
     held = torque[: begin if resting.all() else int(np.argmin(resting))]
@@ -175,8 +184,8 @@ def refuse_record(recording: Recording) -> None:
     least = REST * float(speed.max())
     if speed.size >= RECORD and max(speed[0], speed[-1], np.median(slowly)) < least:
         raise InputError(
-            f"{recording.name} looks like a record over time, which begins and ends at rest; cut it to its steady "
-            "motion and give measurements.point: file, or, if each row is steady motion of its own, row."
+            f"{recording.name} looks like a record over time, which begins and ends at rest; give measurements.time or "
+            "measurements.sampling, or, if each row is steady motion of its own, measurements.point: row."
         )
 
 
