@@ -123,8 +123,10 @@ def _measured(
     )
     moving = [(point, load) for load, point in pairs if point.speed]
     if not moving and (jerks or not pairs):
-        does = "jerks" if len(jerks) == len(tables) else "jerks or hardly turns"
-        raise InputError(f"the screw {does} in all files, so none is a point of the friction law: measure more speeds.")
+        if len(jerks) == len(tables):
+            raise InputError("the screw jerks in all files, so none is a point of the law: measure more speeds.")
+        why = next(table.record.said for table in tables if table.record and table.record.kind != "jerks")
+        raise InputError(f"no file has a point of the law; of {why[min(1, len(why) - 1)]}")
     _driven(sheet.measurements[0], moving)
     # A file that begins at rest goes on in the direction in which it breaks away, a row at rest has that of its torque.
     starts = [(table, table.record) for table in tables if table.record and table.record.breakaway and table.speed]
@@ -283,8 +285,10 @@ def _table(path: Path, name: str, block: Measurements, under: tuple[float, float
     try:
         point = steady_point(table)
     except InputError:
-        if record is None or not moved:
+        if record is None:
             raise
+        if not moved:
+            raise InputError(record.said[0]) from None
         return Table(*under, [], record, mean, blur, [*skipped, record.said[0].removesuffix(".")], again)
     counts = {
         "rows of a screw at rest": 0 if point.speed else point.samples,

@@ -72,6 +72,8 @@ def fitted(measured: Measured, given: Mapping[str, float] | None = None) -> Fit:
     that fits better). A rise is fitted if it is worth its two numbers by Schwarz's criterion. The zero of the torque is
     fitted where both directions were measured, else it is taken to be right. Raises ``InputError``.
     """
+    if not measured.speed.size:
+        raise InputError("the measurements have no point at which the screw turns.")
     known = dict(given or {})
     alike = np.unique(measured.load).size < 2 and "offset" not in known
     if measured.directions == 1:
@@ -131,8 +133,6 @@ def law_of_curve(speeds: Array, coefficients: Array) -> dict[str, float]:
 
 def _enough(measured: Measured, known: Mapping[str, float]) -> None:
     """Refuse fewer speeds than the law has unknown numbers, and fewer points than there are in all."""
-    if not measured.speed.size:
-        raise InputError("the measurements have no point at which the screw turns.")
     if (slowest := float(np.abs(measured.speed).min())) < SLOWEST:
         raise InputError(f"the measurements have a speed of {slowest:.3g} rad/s; the least one is {SLOWEST:g} rad/s.")
     if (typical := float(np.median(np.abs(measured.torque)))) < WEAKEST:

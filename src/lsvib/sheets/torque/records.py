@@ -32,6 +32,7 @@ NOT_EVEN = "its samples are not known to be evenly spaced in time"
 UNEVEN = 0.1  # of the interval, by which a time that is rounded may be off that of even samples
 EXPLAINED = 0.8  # of the variance beside slow change, by teeth; of two frequencies alike they explain 0.78 at most
 LIKELIER = 25.0  # by χ², five standard errors, by which a sawtooth must fit better than its reverse
+SWINGS = 0.2  # of the mean speed: standard deviation from which on slow changes are a motion of their own
 STANDS = 0.7  # of the mean speed, in two of five samples: a screw that is faster does not stand
 OTHER = 0.25  # of the amplitude of the teeth: a second line beyond is a second frequency
 FASTER = 0.25  # of the mean number of teeth in a quarter of the file, by which quarters may differ
@@ -128,6 +129,11 @@ def look(
         off = np.abs(torque - np.median(torque))
         torque = np.where(off > SPIKE * 1.4826 * np.median(off), np.median(torque), torque)
         teeth, problem = _told(speed, torque, stops)
+    swing = recording.speed - mean
+    if not stops and problem and swing.std() > SWINGS * abs(mean) and swing[1:] @ swing[:-1] > SLOWLY * (swing @ swing):
+        low, high = np.sort(recording.speed)[[0, -1]]
+        said = f"{name}: the speed swings from {low:.3g} to {high:.3g} rad/s, so this is no steady motion."
+        return _moved(recording, "ramp", said, step, averaging, load)
     if not stops and problem:
         return Record(name, "even", (f"{name}: the screw turns evenly.",))
     if problem or not stops:
