@@ -36,7 +36,6 @@ SHEETS = [
     ("measurements.torque.unit", "N", "is not a torque"),
     ("measurements.torque.unit", "A", "is not a torque, such as 3 mN*m; give a block current in place of this one"),
     ("measurements.torque.unit", "%", "needs both or neither of unit: % and rated_torque"),
-    ("measurements.speed.unit", "deg", "give a block position in place of this one"),
     ("measurements.position", {"column": 1, "unit": "deg"}, "speed and measurements.position are both given"),
     ("measurements.torque.column", 0, "measurements.torque.column = 0 is outside the allowed range 1 <= column"),
     ("measurements.torque.column", 3, "has 2 columns"),

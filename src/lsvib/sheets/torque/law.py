@@ -100,6 +100,8 @@ def fitted(measured: Measured, given: Mapping[str, float] | None = None) -> Fit:
         least["friction_coefficient"] = max(0.0, -first.values["friction_slope"] * top / FALL)
     fading = {**fixed, "stribeck_speed": first.values["stribeck_speed"], **{name: least[name] for name, _ in lost}}
     ends = {"bearing": _solved(measured, fading)} if lost else {}
+    if lost and first.scatter > LOSS * ends["bearing"].scatter:  # so small a load makes no such torque in the threads
+        first, ends, lost = ends["bearing"], {}, ()
     found = {name: _with_static(measured, ends.get(name, first), name) for name in ("threads", "bearing")}
     static = any(end.static for end in found.values())
     apart = _apart(measured, first) if static and not lost else {}
