@@ -199,7 +199,7 @@ class Drive(drive.Drive):
         from lsvib.answers.motion import Simulation
 
         wanted = {"samples": samples, "resume": resume, "physics": physics, "outputs": outputs, "command": command}
-        return Simulation.of(Scene(drive=self, start=start, duration=duration, **wanted)).dataset()
+        return Simulation.of(Scene.of({"drive": self, "start": start, "duration": duration, **wanted})).dataset()
 
     def steady_state(self, start: Start, *, resume: str = "contact_sign", physics: Terms = None) -> "SteadyState":
         """Return the attractor that the motion from a start reaches.
@@ -390,7 +390,7 @@ class Drive(drive.Drive):
         return resilience(self, window)
 
     def _automaton_and_state(self, start: Start, resume: str, physics: Terms) -> tuple["Automaton", Any]:
-        scene = Scene(drive=self, start=start, duration=1.0, resume=resume, physics=physics)
+        scene = Scene.of({"drive": self, "start": start, "duration": 1.0, "resume": resume, "physics": physics})
         return automaton_of(self, scene.resume, rest=scene.rests), scene.definition.initial_state(self, scene.start)
 
 

@@ -10,12 +10,13 @@ from dataclasses import replace
 from typing import Annotated, Any
 
 import numpy as np
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
+from pydantic import BeforeValidator, Field
 
-from lsvib.drives.complaints import sentence_about
+from lsvib.drives.complaints import Checked
 from lsvib.drives.drive import Number
 from lsvib.drives.names import Event
 from lsvib.errors import InputError
+from lsvib.systems.automaton import Branch, Guard, Surface, Transition
 
 Values = Annotated[  # a thousand take ten seconds
     tuple[Number, ...],
@@ -24,7 +25,7 @@ Values = Annotated[  # a thousand take ten seconds
 ]
 
 
-class Command(BaseModel):
+class Command(Checked):
     """The commanded speed of the motor, ``speeds`` [rad/s] at ``times`` [s] and straight between them.
 
     Before the first and after the last time it is constant; it jumps where a time stands twice.
@@ -33,17 +34,10 @@ class Command(BaseModel):
     array([20.,  0.])
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    about = "command: "
 
     times: Values
     speeds: Values
-
-    def __init__(self, /, **values: Any) -> None:
-        """Make a command from its keys; raises ``InputError`` in one sentence."""
-        try:
-            super().__init__(**values)
-        except ValidationError as error:
-            raise InputError(f"command: {sentence_about(type(self), error)}") from None
 
     def model_post_init(self, context: Any) -> None:
         """Check what couples times and speeds."""
@@ -74,17 +68,11 @@ class Command(BaseModel):
 
     def at(self, times: Any) -> np.ndarray:
         """Return the commanded speed [rad/s] at times [s]; at a jump, that after it."""
-        known, speeds, times = np.array(self.times), np.array(self.speeds), np.asarray(times, dtype=float)
-        after = np.searchsorted(known, times, side="right")
-        k = after.clip(1, known.size - 1)
-        share = (times - known[k - 1]) / np.maximum(known[k] - known[k - 1], np.finfo(float).tiny)
-        return np.asarray(speeds[k - 1] + share.clip(0, 1) * (speeds[k] - speeds[k - 1]))
+        return np.asarray(np.interp(times, self.times, self.speeds))  # which takes the last of two equal times
 
 
 def one_after_the_other(pieces: Sequence[tuple[Mapping[str, Any], float]]) -> dict[str, Any]:
     """Join what automata are made of (:func:`lsvib.systems.automaton.assemble`), each for a duration [s]."""
-    from lsvib.systems.automaton import Branch, Guard, Surface, Transition
-
     n = len(pieces[0][0]["states"])
     identity = np.eye(n, n + 1).astype(int).tolist()
     again = tuple(map(tuple, (*identity[:-1], [0] * (n + 1))))

@@ -2,9 +2,9 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, get_args
+from typing import TYPE_CHECKING, Any, ClassVar, get_args
 
-from pydantic import BaseModel, GetCoreSchemaHandler, ValidationError
+from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, ValidationError
 from pydantic_core import PydanticCustomError, core_schema
 
 from lsvib.errors import InputError
@@ -44,6 +44,23 @@ class Least:
         if abs(value) >= self.least or value == 0:
             return value
         raise PydanticCustomError("too_close_to_zero", "is too close to zero")
+
+
+class Checked(BaseModel):
+    """Values by known names, immutable; ``about`` begins each sentence about what is wrong with them."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    about: ClassVar[str] = ""
+
+    if not TYPE_CHECKING:  # a type checker reads the names from the fields
+
+        def __init__(self, /, **values: Any) -> None:
+            """Take the values; raises ``InputError`` in one sentence."""
+            try:
+                super().__init__(**values)
+            except ValidationError as error:
+                raise InputError(f"{self.about}{sentence_about(type(self), error)}") from None
 
 
 def bounds_of(model: type[BaseModel], key: str) -> dict[str, float]:

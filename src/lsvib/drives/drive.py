@@ -9,10 +9,10 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Annotated, Any, ParamSpec, Self, TypeVar
 
 from flint import arb
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
+from pydantic import BeforeValidator, Field
 
 from lsvib.drives import friction, pairings
-from lsvib.drives.complaints import Least, allowed_range, bounds_of, sentence_about
+from lsvib.drives.complaints import Checked, Least, allowed_range, bounds_of
 from lsvib.errors import InputError
 from lsvib.numbers import NotNumber, names_and_values, number, shown, whole
 from lsvib.systems.exact.arithmetic import many_digits
@@ -103,7 +103,7 @@ def quantity(default: float | None, symbol: str, unit: str, long_name: str, beyo
     return field
 
 
-class Drive(BaseModel):
+class Drive(Checked):
     """A drive, in SI units; immutable, every value checked (Table 8.1 gives the defaults).
 
     It has a screw (I, c) on a coupling (k) behind a motor that turns at Ω, threads (r_m, λ, μ), and a load (m, c_x, R)
@@ -135,8 +135,6 @@ class Drive(BaseModel):
     >>> lsvib.Drive(mass=15, friction_coefficient=0.3, screw_mass=11.6, support_stiffness=1e6).stability().kind
     'kinematic_constraint'
     """
-
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     pitch_radius: Value = quantity(5.18e-3, "r_m", "m", "pitch radius of the screw", ge=1e-6, le=1.0)
     lead_angle: Value = quantity(
@@ -200,10 +198,7 @@ class Drive(BaseModel):
             for *needed, damping in PARTS.values():
                 if damping not in values and all(name in values for name in needed):
                     values[damping] = 0.0
-            try:
-                super().__init__(**values)
-            except ValidationError as error:
-                raise InputError(sentence_about(type(self), error)) from None
+            super().__init__(**values)
 
     def __setattr__(self, name: str, value: Any) -> None:
         raise InputError(f"a drive does not change; drive.replace({name}=...) makes another one.")

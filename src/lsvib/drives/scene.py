@@ -6,10 +6,10 @@ from pathlib import Path
 from typing import Annotated, Any, Self
 
 import yaml
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, SerializeAsAny, ValidationError, model_validator
+from pydantic import BeforeValidator, Field, SerializeAsAny, model_validator
 
 from lsvib.drives.command import Command
-from lsvib.drives.complaints import sentence_about
+from lsvib.drives.complaints import Checked
 from lsvib.drives.drive import Drive, Number, Whole
 from lsvib.drives.model import Model, model_of
 from lsvib.drives.names import Resume
@@ -19,7 +19,7 @@ from lsvib.numbers import names_and_values
 REST = "rest"  # a start, in place of coordinates
 
 
-class Scene(BaseModel):
+class Scene(Checked):
     """One simulation, immutable and checked.
 
     ``drive``: its parameters. ``physics``: the terms that the scene has – a damping or force that is listed nowhere
@@ -32,8 +32,6 @@ class Scene(BaseModel):
     included. ``outputs``: observables to store besides the state, the mode and the events.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
-
     drive: SerializeAsAny[Drive]
     physics: tuple[str, ...] | None = None
     resume: Resume = "contact_sign"
@@ -45,13 +43,6 @@ class Scene(BaseModel):
     duration: Number = Field(gt=0, le=1e9)
     samples: Whole = Field(default=1001, ge=2, le=100_000_000)
     outputs: tuple[str, ...] = ("normal_force", "coupling_torque")
-
-    def __init__(self, /, **values: Any) -> None:
-        """Make a scene from its keys; raises ``InputError`` in one sentence."""
-        try:
-            super().__init__(**values)
-        except ValidationError as error:
-            raise InputError(sentence_about(type(self), error)) from None
 
     @model_validator(mode="before")
     @classmethod
