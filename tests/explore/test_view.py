@@ -210,9 +210,9 @@ def test_every_parameter_of_a_law_can_be_moved_and_varied():
     for key, (low, high) in OF_LAW.items():
         assert float(controls.fields[key].value) == controls.sliders[key].value == getattr(view.drive, key)
         assert (controls.sliders[key].start, controls.sliders[key].end) == (low, high)
-        assert View(view.drive, over=key, **around(0.0, key)).over == key
+        assert View(view.drive, over=key, **around(view.drive, key)).over == key
     dry = lsvib.Drive(slide_friction=5, slide_static_friction=8)
-    assert View(dry, over="slide_static_friction", **around(8.0, "slide_static_friction", 5.0)).low == 5.0
+    assert View(dry, over="slide_static_friction", **around(dry, "slide_static_friction")).low == 5.0
     controls.show(View())
     assert controls.sliders["stribeck_rise"].value == float(controls.fields["stribeck_rise"].value) == 0
 

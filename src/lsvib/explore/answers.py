@@ -32,9 +32,9 @@ from lsvib.systems.mapper import Mapper
 from lsvib.systems.motion import Budget, Motion
 from lsvib.words import plain
 
+_BESIDE = {"u": 1e-3, "w": 0.0}  # a start beside steady sliding: rad, and rad/s
 # Work after which what a motion ends on is unresolved, in events, without and with a friction law; the latter is that
 # of each motion which is drawn, too. A third of a second.
-_BESIDE = {"u": 1e-3, "w": 0.0}  # a start beside steady sliding: rad, and rad/s
 _MOST_WORK, _WORK_OF_LAW = 100_000, 20_000
 # Cells of the map of a drive with two states while it is dragged, a seventieth of a second (under a friction law half a
 # second), and when the hand rests, a fortieth; and of any other drive, of which every motion is followed.
@@ -79,11 +79,9 @@ def followed(view: View) -> Followed:
     time, states, modes = _sampled(motion)
     force = motion.automaton.observe("normal_force", states, modes)
     work = _WORK_OF_LAW if friction.depends_on_speed(view.drive) else _MOST_WORK
-    try:
+    steady, cycle = None, np.empty((0, 2))
+    with suppress(EngineError):
         steady = steady_state(motion.automaton, motion.start_state, max_events=work)
-    except EngineError:
-        steady = None
-    cycle = np.empty((0, 2))
     if steady is not None and steady.orbit is not None and steady.orbit.time.size:
         cycle = _sampled(steady.orbit)[1][:, :2]
     turning = states[:, 1] + view.drive.input_speed

@@ -1,6 +1,6 @@
 """What a hand or a keyboard moves on the page: every parameter of every model, start, duration, range of the curve."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 from bokeh.layouts import column, row
@@ -38,11 +38,6 @@ _TEXTS = {
 Asked = Callable[[str, str], None]
 
 
-def parameters(drive: Drive) -> list[str]:
-    """Return the names of all parameters but those of parts that a drive does not have."""
-    return [name for name in Drive.model_fields if getattr(drive, name) is not None]
-
-
 class Controls:
     """The controls of one page; ``asked(key, text)`` is called when one of them is moved by hand."""
 
@@ -65,17 +60,17 @@ class Controls:
         """Set the controls to a view, without asking anything by that."""
         self._silent = True
         try:
-            if set(self.fields) != set(parameters(view.drive)):
-                self._make_fields(view.drive)
+            values = view.drive.model_dump(exclude_none=True)  # without those of parts that are not there
+            if self.fields.keys() != values.keys():
+                self._make_fields(values)
             self.parts.active = [k for k, part in enumerate(PARTS) if part in view.drive.parts]
-            self.over.options = parameters(view.drive)
+            self.over.options = list(values)
             self.over.value = view.over
             for key, control in self.texts.items():
                 control.value = f"{getattr(view, key):.10g}"
-            for key in self.fields:
-                value = getattr(view.drive, key)
+            for key, value in values.items():
                 self.fields[key].value = f"{value:.10g}"
-                self._place(type(view.drive), key, value)
+                self._place(key, value)
         finally:
             self._silent = False
 
@@ -85,13 +80,13 @@ class Controls:
         self.fields[key].value = f"{value:.10g}"
         self._silent = False
 
-    def _make_fields(self, drive: Drive) -> None:
-        kind, rows = type(drive), []
+    def _make_fields(self, keys: Iterable[str]) -> None:
+        rows = []
         self.fields, self.sliders = {}, {}
-        for key in parameters(drive):
+        for key in keys:
             about = described(key)
             name = f"{about['long_name']} {about['symbol']} {style.unit(about['unit'])}".rstrip()
-            self.fields[key] = TextInput(title=name, width=150, description=allowed_range(kind, key), name=key)
+            self.fields[key] = TextInput(title=name, width=150, description=allowed_range(Drive, key), name=key)
             self.sliders[key] = Slider(
                 start=0, end=1, value=0, step=0.1, width=150, show_value=False, align="end", name=f"slider_{key}",
                 html_attributes={"role": "group", "aria-label": name},
@@ -101,16 +96,15 @@ class Controls:
             rows.append(row(self.fields[key], self.sliders[key]))
         self.parameters.children = rows
 
-    def _place(self, kind: type[Drive], key: str, value: float) -> None:
+    def _place(self, key: str, value: float) -> None:
         if key in OF_LAW:
             low, high = OF_LAW[key]
-            step = 1.0 if key == "stribeck_exponent" else (high - low) / 200
-            self.sliders[key].update(start=min(low, value), end=max(high, value), step=step, value=value)
-            return
-        end = 2 * abs(value) or _FROM_ZERO.get(key, 1.0)
-        step = (2 if key in _SIGNED else 1) * end / 200  # finer than a hand
-        zero = 0.0 if may_vanish(key) else step
-        start = -end if key in _SIGNED else zero
+            start, end = min(low, value), max(high, value)
+            step = 1.0 if key == "stribeck_exponent" else (high - low) / 200  # finer than a hand
+        else:
+            end = 2 * abs(value) or _FROM_ZERO.get(key, 1.0)
+            step = (2 if key in _SIGNED else 1) * end / 200
+            start = -end if key in _SIGNED else 0.0 if may_vanish(key) else step
         self.sliders[key].update(start=start, end=end, step=step, value=value)
 
     def _ask(self, key: str, said: Callable[[Any], str] = str) -> Callable[[str, Any, Any], None]:

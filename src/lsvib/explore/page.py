@@ -130,9 +130,7 @@ class Page:
             if name in self.controls.fields:
                 parameters[name] = text
             elif key == "over":
-                value = getattr(self.view.drive, text, 0.0)  # a name that is not known is refused with the view
-                sliding = getattr(self.view.drive, text.replace("_static", ""), 0.0) if "_static_" in text else 0.0
-                changes |= {"over": text, **around(value, text, sliding)}
+                changes |= {"over": text, **around(self.view.drive, text)}
             elif key == "window":
                 changes["window"] = Window(*(numbers.start("window", edge) for edge in text.split()))
             elif key == "fit":
@@ -152,7 +150,7 @@ class Page:
                 changes |= chapter.PARTS[part] if part in parts else dict.fromkeys(names)
         changed = drive.replace(**changes)
         over = self.view.over if getattr(changed, self.view.over) is not None else "axial_force"
-        ends: dict[str, Any] = {} if over == self.view.over else around(drive.axial_force)
+        ends: dict[str, Any] = {} if over == self.view.over else around(drive, over)
         return replace(self.view, drive=changed, over=over, **ends)
 
     def _redraw(self, view: View) -> None:

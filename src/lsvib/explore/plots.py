@@ -19,7 +19,6 @@ from bokeh.models import (
     LogScale,
     LogTicker,
     LogTickFormatter,
-    Range1d,
 )
 from bokeh.plotting import figure
 
@@ -200,7 +199,7 @@ def _figure(
 ) -> figure:
     """An empty drawing whose axes are as long as a redraw says."""
     return figure(
-        name=name, title=title, width=width, height=height, tools=tools, x_range=Range1d(*x), y_range=Range1d(*y),
+        name=name, title=title, width=width, height=height, tools=tools, x_range=x, y_range=y,
         html_attributes={"aria-label": f"{title}; its content is said in words below"}, **_NARROW,
     )  # fmt: skip
 

@@ -13,7 +13,6 @@ from lsvib.drives.scene import Scene
 from lsvib.dynamics.curves import Window
 from lsvib.errors import InputError
 
-_WINDOW = ("left", "right", "bottom", "top")
 _NUMBERS = ("u", "w", "duration", "low", "high")
 OF_LAW = {  # ends between which the parameters of a friction law are looked at
     "static_friction_coefficient": (0.0, 0.5),
@@ -47,7 +46,7 @@ class View:
         self.scene()
         if self.window is not None:
             Window.of(self.window)
-        if getattr(self.drive, self.over if self.over in Drive.model_fields else "", None) is None:
+        if self.over not in self.drive.model_dump(exclude_none=True):
             raise InputError(f"over = {numbers.shown(self.over)} is not a parameter of this drive.")
         if not self.low < self.high:
             raise InputError(f"the amplitude curve goes from {self.low:g} to {self.high:g}; it needs low < high.")
@@ -76,7 +75,7 @@ class View:
         values |= {key: repr(getattr(self, key)) for key in _NUMBERS}
         values["over"] = self.over
         if self.window is not None:
-            values |= {name: repr(float(edge)) for name, edge in zip(_WINDOW, self.window, strict=True)}
+            values |= {name: repr(float(edge)) for name, edge in self.window._asdict().items()}
         return urlencode(values)
 
     @classmethod
@@ -86,24 +85,24 @@ class View:
         values: dict[str, Any] = {key: numbers.start(key, given.pop(key)) for key in _NUMBERS if key in given}
         if "over" in given:
             values["over"] = given.pop("over")
-        edges = [given.pop(name) for name in _WINDOW if name in given]
-        if edges:
-            if len(edges) != len(_WINDOW):
+        if edges := {name: numbers.start(name, given.pop(name)) for name in Window._fields if name in given}:
+            if len(edges) != len(Window._fields):
                 raise InputError("the window of the phase plane needs all of left, right, bottom and top.")
-            values["window"] = Window(*(numbers.start(n, e) for n, e in zip(_WINDOW, edges, strict=True)))
+            values["window"] = Window(**edges)
         return cls(drive=Drive.of(given), **values)
 
 
-def around(value: float, key: str = "", sliding: float = 0.0) -> dict[str, float]:
-    """Return a range of the amplitude curve: from a hundredth of a value to twice, or a little above zero.
+def around(drive: Drive, key: str) -> dict[str, float]:
+    """Return a range of the amplitude curve over a parameter: from a hundredth of its value to twice, or above zero.
 
-    Of a friction at rest it begins with that in ``sliding``. Of a parameter ``key`` of a friction law it is that of
+    Of a friction at rest it begins with that in sliding. Of a parameter of a friction law it is that of
     :data:`OF_LAW`, from a hundredth of the speed, which must not vanish beside a rise.
     """
+    value = getattr(drive, key, 0.0)  # a name that is not known is refused with the view
     if key in OF_LAW:
         low, high = OF_LAW[key]
         return {"low": 0.01 * high if key == "stribeck_speed" else low, "high": high}
-    if sliding:
+    if "_static_" in key and (sliding := getattr(drive, key.replace("_static", ""), 0.0)):
         return {"low": sliding, "high": 2 * max(value, sliding)}
     ends = sorted((0.01 * value, 2 * value)) if value else [0.0, 1.0]
     return {"low": ends[0], "high": ends[1]}
