@@ -243,7 +243,8 @@ def branches(drive: Drive) -> list[float]:
     """Support stiffnesses between which the undamped drive flutters."""
     values, tangent = spectrum.enclosed(drive.replace(support_damping=0.0, axial_support_damping=0.0))[0]
     parts = LinearParts.of({**values, "support_stiffness": fmpq_poly([0, 1])}, 1, tangent).level()
-    return [*map(float, map(arb, spectrum.positive_roots(spectrum.margins(parts.polynomial(), True)[-1], BEYOND)))]
+    *_, coupling = spectrum.margins(parts.polynomial(), True)
+    return [*map(float, map(arb, spectrum.positive_roots(coupling, BEYOND)))]
 
 
 def random_nuts(count: int) -> dict[str, np.ndarray]:

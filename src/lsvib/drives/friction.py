@@ -18,7 +18,7 @@ import numpy as np
 from flint import arb_series, fmpq_poly
 
 from lsvib.errors import InputError
-from lsvib.systems.exact.arithmetic import exponential, root, sign
+from lsvib.systems.exact.arithmetic import exponential, nothing, root, sign
 from lsvib.systems.kernels import law
 
 NAMES = (  # of the parameters that make more of friction than one number
@@ -65,21 +65,21 @@ def steady_speed(d: Any) -> Any:
 
 def piece_of(d: Any) -> list[Any]:
     """Return the sum above as a piece of a law, with the columns of :mod:`lsvib.systems.kernels.law`."""
-    fade, power = 0 if _zero(d.stribeck_rise) else 1 / _scale(d), d.stribeck_exponent
+    fade, power = 0 if nothing(d.stribeck_rise) else 1 / _scale(d), d.stribeck_exponent
     power = power if isinstance(power, np.ndarray) else 2 if power == 2 else 1
     return [0, math.inf, d.friction_coefficient, d.friction_slope, d.stribeck_rise, fade, power]
 
 
 def decays(d: Any, speed: Any) -> dict[str, Any]:
     """Return the share of each rise that is left at a sliding speed [m/s], the exponential above [1], as ``decay…``."""
-    if _zero(d.stribeck_speed):
+    if nothing(d.stribeck_speed):
         return {}
     return {"decay": exponential(-law.exponent(piece_of(d), speed / _scale(d)))}
 
 
 def unbounded(d: Any, speed: Any) -> tuple[Any, Any]:
     """Return the sum above at a sliding speed [m/s], which may be negative [1], and its derivative [s/m]."""
-    if _zero(d.stribeck_rise):
+    if nothing(d.stribeck_rise):
         return law.value(piece_of(d), speed, 0, 0)[:2]
     left = d.decay if hasattr(d, "decay") else decays(d, speed)["decay"]
     return law.value(piece_of(d), speed, speed / _scale(d), left)[:2]
@@ -105,7 +105,7 @@ def levels(d: Any) -> dict[str, Any]:
     # the very parameters where friction does not depend on speed
     steady = coefficient(d, steady_speed(d)) if depends_on_speed(d) else d.friction_coefficient
     static = d.static_friction_coefficient if sign(d.static_friction_coefficient) else slowest(vars(d))
-    collar = 0 if _zero(d.collar_friction) else d.collar_friction * d.collar_radius / d.pitch_radius
+    collar = 0 if nothing(d.collar_friction) else d.collar_friction * d.collar_radius / d.pitch_radius
     return {"steady_friction": steady, "static_friction": static, "collar": collar}
 
 
@@ -138,7 +138,7 @@ def check(drive: Any, limit: float) -> None:
 
 def moves(p: Mapping[str, Any]) -> bool:
     """Whether friction depends on the sliding speed, by parameters by name; those of the law may be missing."""
-    return not all(_zero(p.get(key, 0.0)) for key in OF_SPEED)
+    return not all(nothing(p.get(key, 0.0)) for key in OF_SPEED)
 
 
 def steady_sum(p: Mapping[str, Any], t: Any) -> tuple[Any, Any]:
@@ -164,13 +164,6 @@ def steady(p: Mapping[str, Any], t: Any) -> tuple[Any, Any]:
     if isinstance(value, np.ndarray):
         return np.where(value < 0, 0.0, value), np.where(value < 0, 0.0, rate)
     return (0 * value, 0 * rate) if _negative(value) else (value, rate)
-
-
-def _zero(x: Any) -> bool:
-    """Whether a number is zero for certain, or all of an array are."""
-    if isinstance(x, np.ndarray):
-        return not np.any(x)
-    return not isinstance(x, (arb_series, fmpq_poly)) and bool(x == 0)
 
 
 def _negative(x: Any) -> bool:

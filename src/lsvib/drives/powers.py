@@ -60,15 +60,12 @@ class Powers:
 
     def damping(self) -> np.ndarray:
         """Return the power [W] that all dampers take out; e′ cos λ compresses that of the contact."""
-        total = 0 * product(self.one, self.one)
-        for _, _, damper, speed in self.bodies():
-            total = total + getattr(self.drive, damper) * product(speed, speed)
+        dampers = [(getattr(self.drive, damper), speed) for _, _, damper, speed in self.bodies()]
         if self.drive.coupling_damping:
-            turning = self.rates["velocity_deviation"] - self.rates["motor_rate"]
-            total = total + self.drive.coupling_damping * product(turning, turning)
+            dampers.append((self.drive.coupling_damping, self.rates["velocity_deviation"] - self.rates["motor_rate"]))
         if self.parting.any():
-            total = total + self.drive.contact_damping * self.cosine**2 * product(self.parting, self.parting)
-        return total
+            dampers.append((self.drive.contact_damping * self.cosine**2, self.parting))
+        return np.asarray(sum(damping * product(speed, speed) for damping, speed in dampers))
 
     def signed_friction(self, mode: int) -> np.ndarray:
         """Return the power [W] that friction takes out and whose sign changes within a mode.

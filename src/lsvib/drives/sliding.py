@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from lsvib.drives import friction
-from lsvib.drives.friction import unbounded
+from lsvib.drives.friction import coefficient, unbounded
 from lsvib.numbers import bisected
 from lsvib.systems.automaton import Branch, Guard, Mode, Surface, Transition, scaled
 from lsvib.systems.exact.arithmetic import Divided, Row, double, doubles, many_digits, sign
@@ -65,10 +65,10 @@ def speeds_below(drive: Any, level: float) -> list[tuple[float, float]]:
     fades = max(getattr(drive, speed) for speed in friction.FADING.values())
     far = 50 * fades + (2 * (drive.friction_coefficient + level) / slope if slope else 0.0)
     turns = _passes(lambda v: unbounded(drive, v)[1], [0.0, *bends(friction.piece_of(drive)), far])
-    marks = [0.0, *_passes(lambda v: _mu(drive, v) - level, [0.0, *turns, far]), math.inf]
+    marks = [0.0, *_passes(lambda v: coefficient(drive, v) - level, [0.0, *turns, far]), math.inf]
     parts = [(a, b) for a, b in pairwise(marks) if a < b]
     middle = [0.5 * (a + b) if math.isfinite(b) else 2 * a + 1e-12 for a, b in parts]
-    return [part for part, v in zip(parts, middle, strict=True) if _mu(drive, v) < level]
+    return [part for part, v in zip(parts, middle, strict=True) if coefficient(drive, v) < level]
 
 
 def critical_coefficient(inertia: Any, d: Any, mass: Any) -> float:
@@ -83,10 +83,6 @@ def critical_coefficient(inertia: Any, d: Any, mass: Any) -> float:
             return math.inf
         found: float = double((inertia + turned * d.tan_lead**2) / (heavy * d.tan_lead))
         return found
-
-
-def _mu(drive: Any, speed: float) -> float:
-    return float(max(unbounded(drive, speed)[0], 0.0))
 
 
 def _passes(function: Callable[[float], float], marks: Sequence[float]) -> list[float]:

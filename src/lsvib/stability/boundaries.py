@@ -17,11 +17,11 @@ from flint import arb, fmpq, fmpq_poly
 from lsvib.drives import friction
 from lsvib.drives.complaints import bounds_of
 from lsvib.drives.drive import Drive, may_vanish
-from lsvib.drives.mechanics import LinearParts, net_force
+from lsvib.drives.mechanics import LinearParts, Polynomial, net_force
 from lsvib.drives.model import model_of
 from lsvib.stability import spectrum
-from lsvib.stability.solve import Equations, allowed, isolated_roots
-from lsvib.stability.spectrum import SAME, Polynomial, each_margin, margins
+from lsvib.stability.solve import allowed, isolated_roots
+from lsvib.stability.spectrum import SAME, margins
 from lsvib.systems.exact.arithmetic import many_digits
 
 _OF_SPEED = ("pitch_radius", "lead_angle", "input_speed", *friction.FADING.values())
@@ -43,10 +43,6 @@ class RootCondition:
 
     words: str
     of: Callable[[ParameterValues, Any, int], Any]
-
-    def equations(self, sense: int) -> Equations:
-        """Return the same equation for balls and power series."""
-        return lambda values, inner: [self.of(values, values["lead_angle"].tan(), sense)]
 
 
 @dataclass(frozen=True)
@@ -146,7 +142,7 @@ def _margins(drive: Drive, law: int, neutral: bool, sloped: bool) -> list[RootCo
 
     def condition(which: int, text: str) -> RootCondition:
         return RootCondition(
-            text, lambda values, t, sense: next(islice(each_margin(_polynomial(values, law, t), neutral), which, None))
+            text, lambda values, t, sense: next(islice(margins(_polynomial(values, law, t), neutral), which, None))
         )
 
     return [condition(k, text) for k, text in enumerate(words)]
@@ -220,14 +216,14 @@ class Line:
         # At the end of its range, as at μ = cot λ under law −, coefficients may vanish; nothing changes there.
         return ([fmpq(0)] if p[0] == 0 else []) + spectrum.positive_roots(p, self.limit * (1 - SAME))
 
-    def roots_of(self, condition: RootCondition) -> list[fmpq] | None:
-        """Return the distances x ≥ 0 from zero at which a condition vanishes; None if it does not depend on x."""
-        if self.searched:
-            return self._isolated(condition, self.lowest, self.limit)
-        return self.roots(condition.of(*self.at(fmpq_poly([0, 1]))))
+    def roots_of(self, condition: RootCondition, *within: fmpq) -> list[fmpq] | None:
+        """Return the distances x ≥ 0 from zero at which a condition vanishes; None if it does not depend on x.
 
-    def _isolated(self, condition: RootCondition, low: fmpq, high: fmpq) -> list[fmpq] | None:
-        return isolated_roots(lambda x: condition.of(*self.at(x)), low, high)
+        A search is ``within`` two of them, or as far as it may go.
+        """
+        if self.searched:
+            return isolated_roots(lambda x: condition.of(*self.at(x)), *(within or (self.lowest, self.limit)))
+        return self.roots(condition.of(*self.at(fmpq_poly([0, 1]))))
 
     def roots_with_friction(self, condition: RootCondition) -> list[fmpq] | None:
         """As :meth:`roots_of`, but only where friction is not cut off; beyond, a condition may vanish throughout."""
@@ -236,7 +232,7 @@ class Line:
             return None if roots is None else [x for x in roots if self.rubs(x)]
         ends, off = [self.lowest, *self.cuts(), self.limit], 2 * SAME  # at a cut itself the law may count as cut off
         pairs = [(a, b) for a, b in pairwise(ends) if self.rubs(self.between(a, b))]
-        found = [self._isolated(condition, a * (1 + off), b * (1 - off)) for a, b in pairs]
+        found = [self.roots_of(condition, a * (1 + off), b * (1 - off)) for a, b in pairs]
         return None if None in found else [x for roots in found for x in roots or []]
 
     def cuts(self) -> list[fmpq]:
@@ -266,7 +262,7 @@ class Line:
     def margins(self, x: Any, law: int) -> tuple[Any, ...]:
         """Return the numbers that are all positive where steady sliding is stable under a law."""
         values, t, _ = self.at(x)
-        return margins(_polynomial(values, law, t), self.neutral)
+        return tuple(margins(_polynomial(values, law, t), self.neutral))
 
     def stable(self, x: fmpq) -> bool:
         """Whether steady sliding is stable (asymptotically; neutrally where nothing damps)."""

@@ -16,10 +16,10 @@ from flint import fmpq, fmpq_poly
 
 from lsvib.drives import friction, mechanics
 from lsvib.drives.drive import Drive
-from lsvib.drives.mechanics import Coefficients, LinearParts
+from lsvib.drives.mechanics import Coefficients, LinearParts, Polynomial
 from lsvib.results import Condition, Quantity, StabilityReport
 from lsvib.stability.boundaries import place_values, stable_set
-from lsvib.stability.spectrum import Polynomial, enclosed, parts_of, polynomial, spectrum, steady_law
+from lsvib.stability.spectrum import enclosed, parts_of, polynomial, spectrum, steady_law
 from lsvib.systems.exact.arithmetic import many_digits
 
 

@@ -11,6 +11,7 @@ through one side is missed.
 
 import math
 from collections.abc import Callable
+from contextlib import suppress
 from enum import IntEnum
 from functools import cache, lru_cache
 from itertools import product
@@ -117,10 +118,8 @@ def _function(drive: Drive, kind: ChartBoundary, names: tuple[str, str]) -> Plan
     def force(changed: Drive) -> float:
         """Return the axial force [N] of the threshold; nan where the drive has none."""
         for name in (kind.name.lower(), instead):
-            try:
+            with suppress(NoThreshold):
                 return threshold_force(changed, name) if name else math.nan
-            except NoThreshold:
-                continue
         return math.nan
 
     def function(first: float, second: float) -> float:

@@ -18,7 +18,7 @@ Rodrigo and Torres 1998).
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from itertools import count, takewhile
+from itertools import count, islice, takewhile
 from types import SimpleNamespace
 from typing import Any
 
@@ -106,11 +106,7 @@ class Slip:
 
         For slip that decays: its first maximum is then the largest.
         """
-        times = self.stationary(u, w, row)
-        for _ in range(2):
-            time = next(times, None)
-            if time is None:
-                return None
+        for time in islice(self.stationary(u, w, row), 2):
             place, rate = self.state(u, w, time)
             acceleration = -self.a0 * place - self.a1 * rate
             if row[0] * acceleration - row[1] * (self.a0 * rate + self.a1 * acceleration) < 0:

@@ -25,7 +25,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from lsvib.drives import friction
 from lsvib.drives.drive import PARTS, Drive, ExactParameters, require_direction
-from lsvib.drives.mechanics import LinearParts, net_force
+from lsvib.drives.mechanics import LinearParts, Polynomial, net_force
 from lsvib.errors import InputError
 from lsvib.systems.exact.arithmetic import many_digits
 
@@ -34,8 +34,6 @@ SAME = fmpq(1, 2**88)  # relative: no double lies between two roots that are clo
 
 DriveValues = Drive | ExactParameters | Mapping[str, ArrayLike]
 """A drive in doubles, the same in balls (``drive.exact()``), or its keys with arrays that broadcast."""
-Polynomial = tuple[Any, ...]
-"""Coefficients, highest power first."""
 
 
 class UndampedClass(IntEnum):
@@ -239,19 +237,14 @@ def hurwitz(p: tuple[Any, ...], order: int = 3, same: bool = False) -> Any:
     return minor(1, tuple(range(1, order + 1)))
 
 
-def margins(p: Polynomial, neutral: bool) -> Polynomial:
-    """Return numbers that are all positive exactly where steady sliding is stable; p_0 always is.
+def margins(p: Polynomial, neutral: bool) -> Iterator[Any]:
+    """Yield numbers that are all positive exactly where steady sliding is stable; p_0 always is.
 
     Those are the coefficients and the Hurwitz determinants of odd order (Liénard and Chipart). Without damping
     (``neutral``) they are those for which no motion grows and all frequencies are real and distinct: with two of them
     p_4, p_2 and p_2² − 4 p_4 p_0; with more those of q(s²) + s q′(s²), whose even and odd parts interlace just then
-    (Hermite and Biehler), of the polynomial q(s²).
+    (Hermite and Biehler), of the polynomial q(s²). The last ones take most of the work.
     """
-    return tuple(each_margin(p, neutral))
-
-
-def each_margin(p: Polynomial, neutral: bool) -> Iterator[Any]:
-    """Yield the numbers of :func:`margins`, of which the last ones take most of the work."""
     order = len(p) - 1
     if neutral and order == 4:
         yield from (p[0], p[2], p[2] ** 2 - 4 * p[0] * p[4])

@@ -72,8 +72,7 @@ def parameter(drive: Drive, name: str, unknown: Any) -> str:
     """Return the parameter that a threshold is solved for, the usual one for None; raises ``InputError``."""
     usual = TABLE[name].usual or ("mass" if drive.parts else "axial_force")
     key = usual if unknown is None else unknown
-    there = [name for name in Drive.model_fields if getattr(drive, name) is not None]
-    if key not in there:
+    if key not in (there := [*drive.model_dump(exclude_none=True)]):
         raise InputError(f"unknown = {shown(key)} is not a parameter of this drive: {', '.join(there)}.")
     return key
 
@@ -129,14 +128,15 @@ def _by_roots(drive: Drive, name: str, unknown: str) -> Threshold:
 
 
 def _at_place(drive: Drive, name: str, unknown: str, place: Place) -> ThresholdSolution:
+    condition = place.condition
     try:
-        root = solved(drive, unknown, place.condition.equations(place.sense), place.value)
+        root = solved(drive, unknown, lambda p, _: [condition.of(p, p["lead_angle"].tan(), place.sense)], place.value)
     except Singular:
         raise NoThreshold(
             f"{unknown} = {float(place.value):.17g} is a double root of the threshold {name}, at which it has no "
             "derivatives."
         ) from None
-    return _solution(drive, unknown, root, place.condition.words)
+    return _solution(drive, unknown, root, condition.words)
 
 
 def _by_force(drive: Drive, name: str) -> Threshold:
