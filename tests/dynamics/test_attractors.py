@@ -27,7 +27,7 @@ from lsvib.drives.model import model_of
 from lsvib.drives.names import Event
 from lsvib.errors import WorkSpentError
 from lsvib.stability.force_thresholds import threshold_force
-from lsvib.systems.attractor import Attractor, Doubt, SteadyState, orbit_extremes, steady_state
+from lsvib.systems.attractor import Attractor, Doubt, SteadyState, steady_state
 from lsvib.systems.cycles import observable_integrals
 from lsvib.systems.kernels import attractor as rule
 from lsvib.systems.kernels import flow_planar, layout
@@ -128,17 +128,15 @@ def test_extremes_and_means_against_samples():
     cycle = attractor(NEGATIVE_DAMPING.replace(axial_force=30.0))
     times = np.linspace(0.0, cycle.period, 20_001)
     states, modes = cycle.orbit.at(times)
-    force = cycle.orbit.automaton.observe("normal_force", states, modes)
-    torque = cycle.orbit.automaton.observe("coupling_torque", states, modes)
-    low, high = orbit_extremes(cycle.orbit, cycle.orbit.automaton.observables["normal_force"])
+    automaton = cycle.orbit.automaton
+    force, torque = (automaton.observe(name, states, modes) for name in ("normal_force", "coupling_torque"))
     # Between samples an extremum hides by (h/2)²/2 of the curvature: 1e-8 of the swing; the kink at N = 0 costs h².
-    assert low == pytest.approx(force.min(), rel=1e-6)
-    assert high == pytest.approx(force.max(), rel=1e-6)
+    ends = cycle.extremes(automaton.observables["normal_force"])
+    assert ends == pytest.approx((force.min(), force.max()), rel=1e-6)
     assert 2 * cycle.amplitude == pytest.approx(np.ptp(states[:, 0]), rel=1e-6)
     over_arcs = observable_integrals(cycle.orbit, ("coupling_torque", "normal_force"))
     assert over_arcs[:, 0].sum() == pytest.approx(cycle.period * np.mean(torque[:-1]), rel=1e-6)
-    mean_of_size = cycle.period * np.mean(np.abs(force[:-1]))
-    assert np.abs(over_arcs[:, 1]).sum() == pytest.approx(mean_of_size, rel=1e-6)
+    assert np.abs(over_arcs[:, 1]).sum() == pytest.approx(cycle.period * np.mean(np.abs(force[:-1])), rel=1e-6)
 
 
 def test_the_rule_is_compiled_once_for_all_kinds_of_flow():

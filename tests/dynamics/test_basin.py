@@ -42,10 +42,9 @@ def starts(found, number: int, seed: int) -> list[np.ndarray]:
     for _ in range(number if found.curves else 0):
         piece, angle = pieces[generator.integers(len(pieces))], 2 * math.pi * generator.random()
         share = generator.random()
+        point = piece.start + share * (piece.end - piece.start)
         if isinstance(piece, Arc):
             point = state_on(found.flow, piece, share * piece.duration)
-        else:
-            point = piece.start + share * (piece.end - piece.start)
         states.append(point + 1e-6 * size * [math.cos(angle), math.sin(angle)])
     return states
 
@@ -172,8 +171,7 @@ def test_area_in_a_window_is_the_sum_over_its_parts():
             upright = found.area(Window(left, u, bottom, top)) + found.area(Window(u, right, bottom, top))
             across = found.area(Window(left, right, bottom, w)) + found.area(Window(left, right, w, top))
             size = (right - left) * (top - bottom)
-            assert abs(upright - whole) < 1e-13 * size
-            assert abs(across - whole) < 1e-13 * size
+            assert max(abs(upright - whole), abs(across - whole)) < 1e-13 * size
 
 
 @pytest.mark.parametrize("scene", ["the other way round", "repelling cycle of slip", "Fig. 8.14b beyond m_cr"])

@@ -81,12 +81,11 @@ def test_labels_of_motions_that_come_to_edges_of_intervals(index):
         grid = Grid(*(Axis(name, x - width, x + width, 1) for name, x, width in ends))
         state = (grid.x.centres()[0], grid.y.centres()[0])
         label = mapped.cells(grid, quantities=("label",))["label"][0, 0]
-        assert steady_state(mapped.automaton, state).label in (label, Attractor.UNRESOLVED), (mapped.drive, state)
+        assert steady_state(mapped.automaton, state).label in (label, Attractor.UNRESOLVED), state
 
 
 @pytest.mark.parametrize("draw", [(11, 31), (11, 46), (32, 28)])
 def test_each_cell_takes_a_share_of_the_work_where_most_come_to_no_interval(draw):
-    """Of 60 drives over decades a few; what is not found with so little work is unresolved, with its reason."""
     mapped = mapper(wide_drive("rigid", *draw, 0).drive)
     found = mapped.cells(grid_of(mapped, 16), quantities=("label", "doubt"))
     spent = np.isin(found["doubt"], [list(Doubt).index(doubt) for doubt in (Doubt.EVENT_BUDGET, Doubt.RECURRENT)])
@@ -108,6 +107,5 @@ def test_times_are_those_of_the_motions():
     grid = Grid(Axis("u", -0.03, 0.03, 3), Axis("w", -20, 20, 2))
     found = mapped.cells(grid, quantities=("label", "time", "doubt"))
     rule = Mapper(mapped.automaton, mapped.starts).cells(grid, quantities=("label", "time", "doubt"))
-    for name, array in found.items():
-        assert array.tobytes() == rule[name].tobytes()
+    assert all(array.tobytes() == rule[name].tobytes() for name, array in found.items())
     assert Attractor.UNRESOLVED not in found["label"]

@@ -213,7 +213,7 @@ def sample(motion: Motion, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarr
     total = durations.sum()
     share += np.floor(spare * (durations / total if total > 0 else 0 * durations)).astype(int)
     share[np.argmax(durations)] += count - share.sum()
-    bounds = np.concatenate([[motion.start_time], motion.time, [motion.end_time]])
+    bounds = np.concatenate([[0.0], motion.time, [motion.end_time]])
     times = np.concatenate([np.linspace(a, b, n) for a, b, n in zip(bounds[:-1], bounds[1:], share, strict=True)])
     states, _ = motion.at(times)
     last = np.cumsum(share) - 1

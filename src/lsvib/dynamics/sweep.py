@@ -23,16 +23,7 @@ from lsvib.dynamics.kernels import sweep as kernels
 from lsvib.dynamics.kernels.sweep import REVERSES, SPRAGS, STICKS
 from lsvib.errors import EngineError
 from lsvib.numbers import Progress
-from lsvib.systems.attractor import (
-    Attractor,
-    KnownCycles,
-    conserves,
-    largest,
-    new_found,
-    orbit_extremes,
-    records,
-    steady_state,
-)
+from lsvib.systems.attractor import Attractor, KnownCycles, conserves, largest, new_found, records, steady_state
 from lsvib.systems.automaton import Automaton
 from lsvib.systems.kernels import jit, layout
 from lsvib.systems.kernels.attractor import end_of
@@ -74,7 +65,7 @@ def ending_of(drive: Drive, automaton: Automaton, state: np.ndarray) -> Any:
         ending.peak_normal_force = abs(automaton.observe("normal_force", found.state[None], np.array([mode]))[0])
         return ending
     try:
-        extremes = orbit_extremes(orbit, automaton.functional("normal_force"))
+        extremes = found.extremes(automaton.functional("normal_force"))
         ending.amplitude, ending.peak_normal_force = found.amplitude, max(map(abs, extremes))
     except EngineError:  # the rates of a mode lie too far apart to find the extremes
         ending.amplitude = np.nan

@@ -52,7 +52,6 @@ class Motion:
     """
 
     automaton: Automaton = field(repr=False)
-    start_time: float
     start_mode: int
     start_state: np.ndarray
     time: np.ndarray = field(repr=False)
@@ -71,8 +70,8 @@ class Motion:
         times = np.ascontiguousarray(times, dtype=float)
         states = np.empty((times.size, self.start_state.size))
         modes = np.empty(times.size, dtype=np.int64)
-        start = self.start_time, self.start_mode, self.start_state
-        event_loop.states_at(self.automaton.tables, Begin(*start), self.events(), times, states, modes)
+        begin = Begin(0.0, self.start_mode, self.start_state)
+        event_loop.states_at(self.automaton.tables, begin, self.events(), times, states, modes)
         return states, modes
 
     def events(self) -> Events:
@@ -84,7 +83,7 @@ class Motion:
         modes = np.concatenate([[self.start_mode], self.mode])
         starts = np.concatenate([self.start_state[None], self.after])
         ends = np.concatenate([self.before, self.end_state[None]])
-        durations = np.diff(np.concatenate([[self.start_time], self.time, [self.end_time]]))
+        durations = np.diff(self.time, prepend=0.0, append=self.end_time)
         return modes, starts, ends, durations
 
 
@@ -156,7 +155,7 @@ def follow(
     _complain(Status(status), end_time, state, most if max_events is None else None)
     columns = [np.concatenate(column) for column in zip(*pieces, strict=True)] if len(pieces) > 1 else pieces[0]
     return Motion(
-        automaton, 0.0, start_mode, start_state, *Events(*columns),
+        automaton, start_mode, start_state, *Events(*columns),
         status=Status(status), end_time=end_time, end_mode=int(mode), end_state=state,
     )  # fmt: skip
 

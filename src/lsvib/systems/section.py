@@ -48,7 +48,7 @@ def derivative(motion: Motion) -> Derivative:
     n = motion.start_state.size
     matrix, rounding = np.empty((n, n)), np.empty((n, n))
     tables = motion.automaton.tables
-    begin = Begin(motion.start_time, motion.start_mode, motion.start_state)
+    begin = Begin(0.0, motion.start_mode, motion.start_state)
     saltation.derivative(derivative_of(tables), of_one_type(tables), begin, motion.events(), matrix, rounding)
     return Derivative(matrix, rounding)
 
@@ -124,7 +124,7 @@ class Section:
             return None
         own = Events(*(column[:count].copy() for column in events))
         return Motion(
-            self.automaton, 0.0, self.key[1], state, *own,
+            self.automaton, self.key[1], state, *own,
             status=Status.STOP_EVENT, end_time=float(own.time[-1]), end_mode=self.key[1], end_state=end,
         )  # fmt: skip
 

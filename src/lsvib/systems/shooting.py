@@ -291,7 +291,7 @@ def _arc(automaton: Automaton, mode: int, start: np.ndarray, duration: float) ->
     """A motion in one mode that ends in a touch, on to which derivatives go."""
     kinds = np.array([GRAZE_KIND], dtype=np.int8)
     return Motion(
-        automaton, 0.0, mode, start, np.array([duration]), kinds, 0 * kinds, np.array([mode]), start[None], start[None],
+        automaton, mode, start, np.array([duration]), kinds, 0 * kinds, np.array([mode]), start[None], start[None],
         status=Status.TIME_REACHED, end_time=duration, end_mode=mode, end_state=start,
     )  # fmt: skip
 
