@@ -17,7 +17,6 @@ import numpy as np
 import pint
 from numpy.typing import ArrayLike, NDArray
 from pydantic import BeforeValidator
-from scipy.special import ndtr, ndtri  # type: ignore[import-untyped]
 
 from lsvib.drives.complaints import bounds_of
 from lsvib.drives.drive import Drive
@@ -229,6 +228,8 @@ class Spread:
             rising = low + np.sqrt(share * (high - low) * (mode - low))
             falling = high - np.sqrt((1 - share) * (high - low) * (high - mode))
             return np.where(share * (high - low) < mode - low, rising, falling)
+        from scipy.special import ndtr, ndtri  # type: ignore[import-untyped]  # of these alone, as it takes long
+
         score, (middle, width) = ndtri(ndtr(-TAIL) + share * (ndtr(TAIL) - ndtr(-TAIL))), self.numbers
         values = middle + width * score if self.kind == "normal" else middle * width**score
         return np.asarray(np.clip(values, self.low, self.high))

@@ -4,14 +4,11 @@ import json
 import math
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-import xarray as xr
 
 from lsvib import numbers
-from lsvib.answers.attributes import flagged, variable
-from lsvib.answers.io import write_dataset
 from lsvib.errors import InputError
 from lsvib.files import check_outputs, replacing, write_json, write_text
 from lsvib.sheets import assessment as whole
@@ -25,6 +22,9 @@ from lsvib.sheets.report import brief, of_curve, of_statics, report, said
 from lsvib.sheets.sheet import Sheet
 from lsvib.sheets.statics import Statics, statics
 from lsvib.sheets.words import ABOUT, QUANTITIES, us_units_too
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 _OF_MOTIONS = ("parts", "attractor", "vibrates", "frequency", "audible", "amplitude", "load_speed", "screw_speed",
                "peak_contact_force", "peak_impulse", "reason", "scene")  # fmt: skip
@@ -59,6 +59,8 @@ def assess(
     found = whole.assess(given, count, start)
     result = as_json(found)
     if out:
+        from lsvib.answers.io import write_dataset
+
         operating = charts(found.draw)
         with replacing(*files) as (page, data, verdict):
             with us_units_too(us):
@@ -186,8 +188,12 @@ def _motion_json(motion: AssessedMotion) -> dict[str, Any]:
     }
 
 
-def dataset(assessment: Assessment, charts: list[Chart]) -> xr.Dataset:
+def dataset(assessment: Assessment, charts: list[Chart]) -> "xr.Dataset":
     """Return the operating chart, and the motions of the load at middle and worst values."""
+    import xarray as xr
+
+    from lsvib.answers.attributes import flagged, variable
+
     kinds, words = np.stack([chart.kind for chart in charts]), "what occurs at a point of operation"
     variables: dict[str, Any] = {"chart": flagged(("direction", "force", "speed"), kinds, words, KINDS)}
     coordinates = {

@@ -17,7 +17,7 @@ from jinja2 import Environment
 from lsvib.drives import friction
 from lsvib.errors import InputError
 from lsvib.files import write_json, write_text
-from lsvib.sheets import pictures, words
+from lsvib.sheets import words
 from lsvib.sheets.assessment import Assessment
 from lsvib.sheets.changes import Change, applied
 from lsvib.sheets.chart import Chart
@@ -41,7 +41,7 @@ def _templates(html: bool) -> Environment:
     """What renders the templates, with the words that they use."""
     found = words.environment(html)
     found.globals |= vars(words) | {"EFFORTS": EFFORTS, "BEYOND": BEYOND, "POOR": POOR, "drops": drops, "inf": math.inf}
-    found.globals |= {"pictures": pictures, "said": said, "of_curve": of_curve, "NUT_MATERIALS": NUT_MATERIALS}
+    found.globals |= {"said": said, "of_curve": of_curve, "NUT_MATERIALS": NUT_MATERIALS}
     return found
 
 
@@ -93,6 +93,8 @@ def drops(assessment: Assessment, row: Change) -> bool:
 
 def report(assessment: Assessment, charts: list[Chart]) -> str:
     """Return the report on an assessment as the text of one HTML page, which needs no other file."""
+    from lsvib.sheets import pictures
+
     sheet = assessment.draw.sheet
     nominal, worst = assessment.nominal, assessment.worst
     motions = {"At the middle values": nominal, "In the worst case within the uncertainties": worst}
@@ -110,6 +112,7 @@ def report(assessment: Assessment, charts: list[Chart]) -> str:
         else [row for row in assessment.margins if row.is_near() and row.value],
         oscillations=_oscillations(assessment) if sheet.motor is not None else [],
         charts=charts,
+        pictures=pictures,
         motions={"At the given values": nominal} if worst is nominal else motions,
         endangered=bool(assessment.statics.back_drives) or any(row.exceeded for row in assessment.statics.limited),
         entries=[(path, _entry(one)) for path, one in sheet.entries() if one is not None],

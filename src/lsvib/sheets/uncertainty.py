@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import binomtest, qmc, sobol_indices, uniform  # type: ignore[import-untyped]
 
 from lsvib.errors import InputError
 from lsvib.sheets.draw import Draw
@@ -74,6 +73,8 @@ def study(sheet: Sheet, samples: int, seed: int) -> Uncertainty:
 
     Raises ``InputError`` in one sentence.
     """
+    from scipy.stats import qmc  # type: ignore[import-untyped]
+
     entries, points = sheet.random, np.zeros((0, 1))
     if entries:
         points = qmc.Sobol(len(entries), scramble=True, rng=seed).random(samples).T
@@ -107,6 +108,8 @@ def _probability(hits: NDArray[np.bool_]) -> Probability:
 
 def _ends(hits: int, count: int, level: float = 0.975) -> tuple[float, float]:
     """The interval of Clopper and Pearson of a share."""
+    from scipy.stats import binomtest
+
     ends = binomtest(hits, count).proportion_ci(level, "exact")
     return float(ends.low), float(ends.high)
 
@@ -139,6 +142,8 @@ def _indices(sheet: Sheet, entries: list[str], names: list[str], count: int, see
 
     ``count``: how many drives each is taken from; it is fewer where the window has many points.
     """
+    from scipy.stats import sobol_indices, uniform
+
     if len(entries) == 1:  # which causes all of the spread; SciPy has no answer for a single entry
         return {name: {entries[0]: 1.0} for name in names}
     points = count_of(Draw.of(sheet)) * (len(entries) + 2)
@@ -159,6 +164,8 @@ def ends(sheet: Sheet, most: int = MOST) -> Array:
     size = len(sheet.random)
     if 2**size <= most:
         return np.asarray((np.arange(2**size) >> np.arange(size)[:, None]) % 2, dtype=float)
+    from scipy.stats import qmc
+
     return np.asarray(np.round(qmc.Sobol(size, scramble=True, rng=size).random(most).T))
 
 

@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,17 +12,17 @@ from lsvib.drives.automata import automaton_of
 from lsvib.drives.drive import Drive
 from lsvib.drives.mechanics import coefficients
 from lsvib.drives.model import Model, model_of
-from lsvib.dynamics.impulses import event_impulses
-from lsvib.dynamics.resilience import resilience
 from lsvib.errors import EngineError, InputError
 from lsvib.sheets.words import TOLERATED, shown
-from lsvib.systems.attractor import Attractor, SteadyState, orbit_extremes, steady_state
 from lsvib.systems.automaton import Automaton
-from lsvib.systems.motion import Motion, follow
 from lsvib.words import plain
 
+if TYPE_CHECKING:  # the engine is loaded by what follows a motion
+    from lsvib.systems.attractor import SteadyState
+    from lsvib.systems.motion import Motion
+
 UNDECIDED = ("neutral family", "unresolved", "unknown")  # ends of motions that neither settle nor certainly vibrate
-_WITHOUT_CYCLE = (Attractor.NEUTRAL_FAMILY, Attractor.UNRESOLVED)
+_WITHOUT_CYCLE = UNDECIDED[:2]
 NUDGE = 1e-3  # of the speed: how far from steady sliding a motion starts that shows whether it is stable
 STRONG = 5.0  # times the speed: a perturbation that counts as strong, and the largest that has to be tried
 Tolerated = tuple[float | None, str]  # a sudden change of the screw's speed [rad/s], None if not known; a sentence
@@ -90,7 +90,7 @@ def vibration(drive: Drive, perturbation: float | None) -> Vibration:
         scene={"drive": dict(drive), "start": start, "duration": span, "samples": _SAMPLES + 1},
         time=times,
         deviation=states @ row[:-1] + row[-1],
-        **({} if end.orbit is None or end.label in _WITHOUT_CYCLE else _of_cycle(drive, end.orbit, row)),
+        **({} if end.orbit is None or words in _WITHOUT_CYCLE else _of_cycle(drive, end.orbit, row)),
     )
 
 
@@ -102,8 +102,10 @@ def after_knock(drive: Drive) -> str:
 
 def _ended(
     drive: Drive, perturbation: float | None, most_work: int
-) -> tuple[Model, Automaton, dict[str, float], SteadyState]:
+) -> "tuple[Model, Automaton, dict[str, float], SteadyState]":
     """Model and automaton of a drive, the start of a motion, at rest without a perturbation, and its end."""
+    from lsvib.systems.attractor import steady_state
+
     definition = model_of(drive)
     start = definition.from_rest(drive)
     if perturbation is not None:
@@ -113,7 +115,7 @@ def _ended(
 
 
 def _shown(
-    drive: Drive, definition: Model, automaton: Automaton, start: dict[str, float], end: SteadyState
+    drive: Drive, definition: Model, automaton: Automaton, start: dict[str, float], end: "SteadyState"
 ) -> tuple[dict[str, float], float, NDArray[np.float64], NDArray[np.float64]]:
     """Start, duration [s], times and states of a motion to be looked at.
 
@@ -121,8 +123,11 @@ def _shown(
     time, from as late as it takes to come near the cycle, or, if that is long after, as behind a slow control, on the
     cycle; any other starts as given and goes on for some swings.
     """
+    from lsvib.systems.attractor import orbit_extremes
+    from lsvib.systems.motion import follow
+
     swing = 2 * math.pi * math.sqrt(drive.screw_inertia / drive.coupling_stiffness)
-    orbit = None if end.label in _WITHOUT_CYCLE else end.orbit
+    orbit = None if plain(end.label) in _WITHOUT_CYCLE else end.orbit
     span, ends = 12 * swing, np.zeros((2, 2))
     if orbit is not None:
         span = 6 * end.period
@@ -146,7 +151,10 @@ def _shown(
     return start, span, times, states
 
 
-def _of_cycle(drive: Drive, orbit: Motion, row: NDArray[np.float64]) -> dict[str, Any]:
+def _of_cycle(drive: Drive, orbit: "Motion", row: NDArray[np.float64]) -> dict[str, Any]:
+    from lsvib.dynamics.impulses import event_impulses
+    from lsvib.systems.attractor import orbit_extremes
+
     low, high = orbit_extremes(orbit, row)
     impulses = np.abs(event_impulses(drive, orbit).normal)
     return {
@@ -159,8 +167,10 @@ def _of_cycle(drive: Drive, orbit: Motion, row: NDArray[np.float64]) -> dict[str
     }
 
 
-def _extremes(orbit: Motion, name: str) -> tuple[float, float]:
+def _extremes(orbit: "Motion", name: str) -> tuple[float, float]:
     """Lowest and highest value of an observable on a cycle; what rounding leaves of standstill is zero."""
+    from lsvib.systems.attractor import orbit_extremes
+
     ends = orbit_extremes(orbit, orbit.automaton.functional(name))
     rounding = 1e-12 * max(map(abs, ends))
     low, high = (0.0 if abs(end) < rounding else end for end in ends)
@@ -172,6 +182,8 @@ def tolerated(drive: Drive) -> Tolerated:
 
     Infinite if motion comes back from any, zero if steady sliding is unstable, None if it is not known.
     """
+    from lsvib.dynamics.resilience import resilience
+
     if not drive.rigid:
         return None, TOLERATED["not_computed"]
     try:
@@ -193,6 +205,8 @@ def tolerated_by_trial(drive: Drive, stiff: float | None) -> Tolerated:
 
     ``stiff``: what the drive with stiff threads tolerates [rad/s], around which others are tried.
     """
+    from lsvib.systems.attractor import steady_state
+
     threads = TOLERATED["threads"] if "threads" in drive.parts else ""
     definition = model_of(drive)
 
