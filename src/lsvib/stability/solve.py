@@ -238,23 +238,33 @@ Gap = Callable[[Drive], float]
 def sign_changes(drive: Drive, unknown: str, gap: Gap, places: Sequence[float]) -> Iterator[float]:
     """Yield the values of a parameter, in ascending order, at which the sign of a gap changes, each to 1e-11 of it.
 
+    It is sampled at ``places``, ascending, see :func:`crossings`.
+    """
+
+    def at(value: float) -> float | None:
+        """Return the gap at a value of the parameter; None where there is none."""
+        with suppress(InputError, EngineError):
+            found = gap(drive.replace(**{unknown: zero_if_close(unknown, value)}))
+            return found if math.isfinite(found) else None
+        return None
+
+    for value in crossings(at, places, 1e-11):
+        yield zero_if_close(unknown, value)
+
+
+def crossings(at: Callable[[float], float | None], places: Sequence[float], tolerance: float) -> Iterator[float]:
+    """Yield where a gap, None where there is none, changes its sign, in ascending order, to a relative tolerance [1].
+
     It is sampled at ``places``, ascending; where the gap begins or ends between two samples, that place is halved down,
     and so is a change of sign. A jump through zero is among them; what lies between two samples without a change of
     sign stays unseen.
     """
 
     def defined(value: float) -> float:
-        """Return the gap at a value of the parameter; raises ``NoThreshold`` where it is not finite."""
-        found = gap(drive.replace(**{unknown: zero_if_close(unknown, value)}))
-        if not math.isfinite(found):
+        """Return the gap; raises ``NoThreshold`` where there is none."""
+        if (found := at(value)) is None:
             raise NoThreshold
         return found
-
-    def at(value: float) -> float | None:
-        """Return the gap at a value of the parameter; None where there is none."""
-        with suppress(InputError, EngineError):
-            return defined(value)
-        return None
 
     known: list[Sample] = [(value, at(value)) for value in places]
     ordered = known[:1]
@@ -264,8 +274,8 @@ def sign_changes(drive: Drive, unknown: str, gap: Gap, places: Sequence[float]) 
         ordered.append(after)
     for before, after in pairwise(ordered):
         if before[1] is not None and after[1] is not None and (before[1] > 0) != (after[1] > 0):
-            with suppress(InputError, EngineError):  # it is not defined somewhere on the way
-                yield zero_if_close(unknown, bracketed_root(defined, before[0], after[0], 1e-11))
+            with suppress(NoThreshold):  # it is not defined somewhere on the way
+                yield bracketed_root(defined, before[0], after[0], tolerance)
 
 
 def _edge(at: Callable[[float], float | None], before: Sample, after: Sample) -> Sample:
