@@ -253,7 +253,7 @@ def test_its_motion_is_refused_in_a_sentence(tmp_path):
     path.write_text(str(SHEET | drive | {"load": {"mass": "0.3 kg", "force": "2 N"}}))
     found = lsvib.assess(path, None)
     assert found["verdict"] is None
-    assert "preloaded nut" in found["brief"][0]
+    assert "preloaded nut" in found["sentence"]
 
 
 @pytest.mark.parametrize("load", [0.0, 0.4, -2.0])

@@ -16,13 +16,27 @@ rule assessments:
         "<results>/assessments/comparison.json",
 
 
+rule check_sheets:
+    """Refuse what no sheet may say before any drive is assessed."""
+    input:
+        SHEETS.values(),
+    output:
+        touch("<results>/assessments/checked"),
+    log:
+        "<logs>/check_sheets.log",
+    message:
+        "Checking the data sheets"
+    script:
+        "../scripts/check_sheets.py"
+
+
 rule assess_drive:
     """Assess one drive from its data sheet."""
     input:
         sheet=lambda wildcards: SHEETS[wildcards.sheet],
+        checked=ancient("<results>/assessments/checked"),
     output:
         page="<results>/assessments/{sheet}/index.html",
-        dataset="<results>/assessments/{sheet}/assessment.nc",
         verdict="<results>/assessments/{sheet}/assessment.json",
     log:
         "<logs>/assess_drive/{sheet}.log",

@@ -59,6 +59,8 @@ def assess(
     samples: Annotated[Whole | None, Parameter(help="Drives drawn, a power of two: 4096, or 64 a variant.")] = None,
     seed: Annotated[Whole, Parameter(help="Seed of the samples.")] = 1,
     units: Annotated[Literal["si", "us"], Parameter(help="us: in, lbf, lbf·in and others beside SI units.")] = "si",
+    solve: Annotated[str | None, Parameter(help="An entry of the sheet to solve for, such as load.force.")] = None,
+    goal: Annotated[str | None, Parameter(name="--for", help="ROW=VALUE of statics, or ROW for its limit.")] = None,
     as_json: AsJson = False,
 ) -> None:
     """Assess a drive from its data sheet: will it vibrate, what does it bear, and what should be changed.
@@ -72,6 +74,7 @@ def assess(
         lsvib assess examples/powered_seat.yaml --out report
 
         lsvib assess variants.csv --base drive.yaml --out table.csv
+        lsvib assess drive.yaml --solve load.force --for motor.torque='60 N*m'
     """
     if template and (sheet is not None or out is not None):
         raise InputError("lsvib assess --template goes without a data sheet and --out; it prints a sheet to fill in.")
@@ -87,11 +90,15 @@ def assess(
         raise InputError("--base goes with a CSV file of variants; a data sheet has all entries itself.")
     if as_json and units == "us":
         raise InputError("lsvib assess --json is in SI units alone; leave out --json or --units us.")
+    if (solve is None) != (goal is None):
+        raise InputError("--solve and --for go together, such as --solve load.force --for motor.torque='60 N*m'.")
     require_folder(out, "index.html, assessment.nc and assessment.json")
     with _installed("assess", "assess"):
         from lsvib.sheets.output import assess
-    result = assess(sheet, out, 4096 if samples is None else samples, seed, units)
-    written = [f"wrote {out / 'index.html'}, assessment.nc and assessment.json"] if out is not None else []
+    asked = (solve, goal) if solve and goal else None
+    result = assess(sheet, out, 4096 if samples is None else samples, seed, units, asked)
+    names = "and assessment.json" if result["verdict"] is None else "assessment.nc and assessment.json"
+    written = [f"wrote {out / 'index.html'}, {names}".replace(", and", " and")] if out is not None else []
     show(result, as_json, [*result["brief"], *written])
 
 

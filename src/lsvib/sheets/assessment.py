@@ -118,7 +118,7 @@ def assess(sheet: Sheet, samples: int = 4096, seed: int = 1) -> Assessment:
     """Assess a data sheet; arguments as :func:`lsvib.sheets.uncertainty.study`. Raises ``InputError``."""
     draw = Draw.of(sheet)
     window = OperatingWindow(draw)
-    _require_a_drive(window)
+    require_a_drive(window)
     rows, spread, edges = statics(sheet), study(sheet, samples, seed), margins(draw)
     mechanisms = {name: _finding(window, name, spread, edges[name]) for name in window.worst}
     perturbed = mechanisms.pop("after_perturbation")
@@ -139,7 +139,7 @@ def assess(sheet: Sheet, samples: int = 4096, seed: int = 1) -> Assessment:
     return found
 
 
-def _require_a_drive(window: OperatingWindow) -> None:
+def require_a_drive(window: OperatingWindow) -> None:
     """Refuse what the package has no drive for, in the words of the sheet."""
     if unasked := window.draw.sheet.of_statics:
         raise InputError(f"Whether it vibrates cannot be asked: {unasked}.")

@@ -91,7 +91,7 @@ class Draw:
             new["screw_inertia"] = besides + (old["screw_inertia"] - besides) * factors**4
             if "screw_mass" in old and sheet.screw.mass is None:
                 new["screw_mass"] = old["screw_mass"] * factors**2
-        if "lead" in new and sheet.operation.speed.unit == "m/s":
+        if "lead" in new and sheet.operation.speed and sheet.operation.speed.unit == "m/s":
             new |= {key: old[key] / factors for key in PAIRS["speed"]}
         if "motor.bandwidth" in entries and new.keys() & {"motor_inertia", "screw_inertia"}:
             own = [sum({**old, **more}[key] for key in ("motor_inertia", "screw_inertia")) for more in ({}, new)]
@@ -191,7 +191,8 @@ def _quantities(sheet: Sheet, entries: Values) -> dict[str, Any]:
         found |= _motor(sheet.motor, entries, found["screw_inertia"], gear)
     if sheet.support is not None:
         found["screw_mass"] = screw_mass
-    turns = 2 * math.pi / lead if sheet.operation.speed.unit == "m/s" else 1.0  # from the speed as given to rad/s
+    moved = sheet.operation.speed is not None and sheet.operation.speed.unit == "m/s"
+    turns = 2 * math.pi / lead if moved else 1.0  # from the speed as given to rad/s
     for key, path, scale in (("force", "load.force", 1.0), ("speed", "operation.speed", turns)):
         one = entries.get(path, 0.0)
         low, high = (sheet.spreads[path].low, sheet.spreads[path].high) if sheet.is_window(path) else (one, one)

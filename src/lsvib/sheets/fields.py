@@ -39,6 +39,7 @@ _KINDS = {  # of quantities, by the unit in which the package counts them, each 
     "A": ("a current", "2 A"),
     "N m/A": ("a torque constant", "0.05 N*m/A"),
     "N m": ("a torque", "3 mN*m"),
+    "W": ("a power", "100 W"),
     "N/m": ("a stiffness", "1e6 N/m"),
     "Hz": ("a frequency", "50 Hz"),
     "rad/s": ("a rotational speed", "60 rpm"),
@@ -288,14 +289,15 @@ def _check(figure: float, unit: str, allowed: Allowed, above: bool) -> None:
 
 
 def _field(unit: str, low: float, high: float) -> Any:
+    """A quantity, with its range beside it."""
     allowed = dict.fromkeys((unit, unit.removesuffix("/turn")), (low, high))
-    return Annotated[Spread, BeforeValidator(lambda value: Spread.of(value, allowed))]
+    return Annotated[Spread, BeforeValidator(lambda value: Spread.of(value, allowed)), tuple(allowed.items())[-1:]]
 
 
 def _positive(highest: Mapping[str, float]) -> Any:
     """A quantity above zero, in one of some units, each with its largest value."""
     allowed = {unit: (0.0, high) for unit, high in highest.items()}
-    return Annotated[Spread, BeforeValidator(lambda value: Spread.of(value, allowed, above=True))]
+    return Annotated[Spread, BeforeValidator(lambda value: Spread.of(value, allowed, True)), tuple(allowed.items())]
 
 
 def _least(key: str) -> float:
@@ -332,7 +334,7 @@ TorqueConstant = _positive({"N m/A": 1e6})
 Counts = _positive({"": 1e9})
 Ratio = _positive({"": 1e4})
 Coefficient = _field("", 0.0, 3.0)
-Efficiency = _field("", 0.001, 0.999)
+Efficiency = _field("", 0.001, 1.0)
 Share = _field("", 0.0, 1.0)
 Slope = _field("s/m", -1e3, 1e3)
 SlidingSpeed = _positive({"m/s": 1e4})
@@ -350,7 +352,8 @@ def _tilt(value: Any) -> Spread:
         raise
 
 
-Tilt = Annotated[Spread, BeforeValidator(_tilt)]  # of the axis above the horizontal; outward is upward
+# Of the axis above the horizontal; outward is upward.
+Tilt = Annotated[Spread, BeforeValidator(_tilt), (("rad", (-math.pi / 2, math.pi / 2)),)]
 
 
 def friction_curve(value: Any) -> tuple[tuple[float, float], ...]:

@@ -14,7 +14,7 @@ from lsvib.errors import InputError
 from lsvib.numbers import number, shown, whole
 from lsvib.sheets import fields
 from lsvib.sheets.fields import NotQuantity, Spread
-from lsvib.sheets.sheet import Load, Part, Thread
+from lsvib.sheets.sheet import NO_DIAMETER, Load, Part, Thread
 
 _TURNED = ("rad", "m", "counts")
 _SHARES = {"%": 1e-2, "‰": 1e-3, "permille": 1e-3}
@@ -205,6 +205,8 @@ class MeasuredSheet(Part):
             raise InputError(text.replace("measurements.0.", "measurements.") if alone else text) from None
         if sheet.thread and (problem := sheet.thread.problem()) is not None:
             raise InputError(problem)
+        if sheet.thread and sheet.thread.bare:
+            raise InputError(f"{NO_DIAMETER}.")
         about = {"load", "friction", "nut"} & sheet.model_fields_set or {"load" for b in sheet.measurements if b.load}
         if about and not sheet.thread:
             raise InputError(f"thread is missing, which {min(about)} acts on.")

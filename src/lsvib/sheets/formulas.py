@@ -11,18 +11,24 @@ from lsvib.drives.mechanics import friction_factor
 GRAVITY = 9.80665  # m/s², standard
 Values = Mapping[str, Any]  # entries of a sheet or quantities of a drive by name: floats, or arrays that broadcast
 
+FLAT = 1e8  # leads of the pitch diameter at which, to rounding, the lead angle has vanished
 FRICTION = ("friction_coefficient", "static_friction_coefficient", "stribeck_rise", "friction_slope")  # of the flanks
 
 
 def thread_geometry(sheet: Any, entries: Values) -> tuple[Any, Any, Any]:
-    """Return lead [m], pitch diameter [m] and half angle [rad] from the entries of a sheet that has a ``thread``."""
+    """Return lead [m], pitch diameter [m] and half angle [rad] from the entries of a sheet that has a ``thread``.
+
+    Of one without a diameter, whose efficiency is given, it is that of a thread with a vanishing lead angle.
+    """
     thread = sheet.thread
     if thread.size is not None:
         return thread.size.lead, thread.size.pitch_diameter, thread.size.half_angle
     half_angle = entries.get("thread.half_angle", 0.0)
     pitch = entries.get("thread.pitch")
     lead = entries.get("thread.lead", pitch * thread.starts if pitch is not None else None)
-    if thread.pitch_diameter is not None:
+    if thread.bare:
+        diameter = FLAT * lead
+    elif thread.pitch_diameter is not None:
         diameter = entries["thread.pitch_diameter"]
     else:
         diameter = entries["thread.nominal_diameter"] - 0.5 * (lead / thread.starts if pitch is None else pitch)

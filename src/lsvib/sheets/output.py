@@ -2,13 +2,14 @@
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from lsvib import numbers
+from lsvib.drives.scene import read_yaml
 from lsvib.errors import InputError
 from lsvib.files import check_outputs, replacing, write_json, write_text
 from lsvib.sheets import assessment as whole
@@ -17,8 +18,9 @@ from lsvib.sheets.changes import Change
 from lsvib.sheets.chart import KINDS, Chart, charts
 from lsvib.sheets.draw import Draw
 from lsvib.sheets.from_rest import FromRest
+from lsvib.sheets.inverse import Solved, solved
 from lsvib.sheets.operation import Operation
-from lsvib.sheets.report import brief, of_curve, of_statics, report, said
+from lsvib.sheets.report import brief, of_curve, of_statics, report, said, size_report
 from lsvib.sheets.sheet import Sheet
 from lsvib.sheets.statics import Statics, statics
 from lsvib.sheets.words import ABOUT, QUANTITIES, us_units_too
@@ -36,44 +38,65 @@ def assess(
     samples: Any = 4096,
     seed: Any = 1,
     units: Literal["si", "us"] = "si",
+    solve: tuple[str, str] | None = None,
 ) -> dict[str, Any]:
     """Assess the data sheet in a YAML file, or of names and values as in one: does it vibrate, what does it bear?
 
-    To a folder ``out`` it writes ``index.html``, ``assessment.nc`` and ``assessment.json``. ``samples``: drives drawn
-    from the uncertainties, a power of two. Returns what ``assessment.json`` holds, in SI units; with ``units="us"`` the
-    page and the ``brief`` that is returned have US units beside them. Raises ``InputError`` or another ``LsvibError``
-    in one sentence; then nothing is written. An example is in docs/python.md.
+    To a folder ``out`` it writes ``index.html``, ``assessment.json`` and, but for a size, ``assessment.nc``.
+    ``samples``: drives drawn from the uncertainties, a power of two. ``solve``: an entry to be solved for, and what
+    for, see :func:`lsvib.sheets.inverse.solved`. Returns what ``assessment.json`` holds, in SI units; with
+    ``units="us"`` the page and the ``brief`` that is returned have US units beside them. Raises ``InputError`` or
+    another ``LsvibError`` in one sentence; then nothing is written. An example is in docs/python.md.
     """
     count = numbers.whole_between("samples", samples, 64, 2**20)  # seconds; a share is in error by less than 1e-3
     if count & (count - 1):
         raise InputError(f"samples = {count} is not a power of two, as the sequence of samples needs.")
-    start, us = numbers.whole_between("seed", seed, 0, 2**32 - 1), units == "us"
-    given = Sheet.of(sheet) if isinstance(sheet, Mapping) else Sheet.read(sheet)
-    if given.of_statics:
-        if out is not None:
-            raise InputError(f"a report needs what vibration needs; {given.of_statics}.")
-        with us_units_too(us):
-            return _of_statics(given)
-    files = [Path(out) / name for name in ("index.html", "assessment.nc", "assessment.json")] if out else []
+    start = numbers.whole_between("seed", seed, 0, 2**32 - 1)
+    values = sheet if isinstance(sheet, Mapping) else {"name": Path(sheet).stem, **read_yaml(sheet)}
+    answer = solved(values, *solve) if solve else None
+    given = answer.sheet if answer else Sheet.of(values)
+    names = ["index.html", "assessment.json", *([] if given.of_statics else ["assessment.nc"])]
+    files = [Path(out) / name for name in names] if out else []
     check_outputs(files, [] if isinstance(sheet, Mapping) else [sheet])
-    found = whole.assess(given, count, start)
-    result = as_json(found)
-    if out:
-        from lsvib.answers.io import write_dataset
+    found = None if given.of_statics else whole.assess(given, count, start)
+    result = _told(given, found, answer)
+    with us_units_too(units == "us"):
+        told = {**result, "brief": _told(given, found, answer)["brief"]} if units == "us" else result
+        if out:
+            _write(files, given, found, result, told, answer.sentence if answer else "")
+    return told
 
-        operating = charts(found.draw)
-        with replacing(*files) as (page, data, verdict):
-            with us_units_too(us):
-                write_text(report(found, operating), page)
-            write_dataset(dataset(found, operating), data)
-            write_json(result, verdict)
-    with us_units_too(us):
-        return {**result, "brief": brief(found)} if us else result
+
+def _told(sheet: Sheet, found: Assessment | None, answer: Solved | None) -> dict[str, Any]:
+    """What is said of a sheet, of what was ``found`` unless it asks for a size only, and of an entry solved for."""
+    result = as_json(found) if found else _of_statics(sheet)
+    more = {"brief": [answer.sentence, *result["brief"]], "solved": answer.as_json()} if answer else {}
+    return result | more
+
+
+def _write(
+    files: Sequence[Path],
+    sheet: Sheet,
+    found: Assessment | None,
+    result: dict[str, Any],
+    told: dict[str, Any],
+    first: str,
+) -> None:
+    """Write all files, or none."""
+    operating = charts(found.draw) if found else []
+    with replacing(*files) as (page, verdict, *more):
+        write_text(report(found, operating, first) if found else size_report(sheet, told, first), page)
+        write_json(result, verdict)
+        if found:
+            from lsvib.answers.io import write_dataset
+
+            write_dataset(dataset(found, operating), more[0])
 
 
 def _of_statics(sheet: Sheet) -> dict[str, Any]:
-    """The answer for a sheet that gives no drive which could vibrate: verdict and all else but statics are None."""
-    found, curve = statics(sheet), of_curve(Draw.of(sheet))
+    """The answer for a sheet that gives no drive which could vibrate: the verdict is None."""
+    found, draw = statics(sheet), Draw.of(sheet)
+    curve, (lifting, lowering) = of_curve(draw), map(float, draw.efficiencies)
     sentence = f"Whether it vibrates is not asked: {sheet.of_statics}."
     if sheet.load.mass is None:
         sentence += " No weight is counted."
@@ -81,10 +104,12 @@ def _of_statics(sheet: Sheet) -> dict[str, Any]:
         "name": sheet.name,
         "verdict": None,
         "sentence": sentence,
-        "brief": [line for line in (sentence, *of_statics(found), said("nut", sheet), said("curve", curve)) if line],
+        "brief": [line for line in (*of_statics(found), said("nut", sheet), said("curve", curve), sentence) if line],
         "statics": _statics_json(found),
         "friction_curve": curve,
         "pairings": sheet.pairings,
+        "self_locking": lowering <= 0,
+        "efficiency": {"lifting": lifting, "lowering": lowering if lowering > 0 else None},
         "assumptions": dict(sheet.assumptions),
         "sources": dict(sheet.sources),
     }

@@ -26,13 +26,15 @@ from lsvib.sheets.fields import Spread
 from lsvib.sheets.formulas import FRICTION, sliding_speed
 from lsvib.sheets.from_rest import BEYOND
 from lsvib.sheets.materials import NUT_MATERIALS
-from lsvib.sheets.statics import Statics, lets_go
+from lsvib.sheets.sheet import Sheet
+from lsvib.sheets.statics import Statics, lets_go, statics
 from lsvib.sheets.threads import ThreadSize
 from lsvib.sheets.words import shown
 from lsvib.stability.conditions import stability
 
 EFFORTS = {"lifting": "against the load", "lowering": "with the load", "braking": "to brake, where the load turns it"}
 """What torques are for, the most demanding first."""
+_OF_VIBRATION = ("probability", "interval", "nearest_mechanism", "reserve", "nearest_change", "worst_case")
 POOR = 0.1  # of a coefficient: a law that is further off says something else than its curve
 
 
@@ -41,7 +43,7 @@ def _templates(html: bool) -> Environment:
     """What renders the templates, with the words that they use."""
     found = words.environment(html)
     found.globals |= vars(words) | {"EFFORTS": EFFORTS, "BEYOND": BEYOND, "POOR": POOR, "drops": drops, "inf": math.inf}
-    found.globals |= {"said": said, "of_curve": of_curve, "NUT_MATERIALS": NUT_MATERIALS}
+    found.globals |= {"said": said, "entry_text": entry_text, "NUT_MATERIALS": NUT_MATERIALS}
     return found
 
 
@@ -91,8 +93,18 @@ def drops(assessment: Assessment, row: Change) -> bool:
     return lets_go(assessment.draw, applied(assessment.draw, row))
 
 
-def report(assessment: Assessment, charts: list[Chart]) -> str:
-    """Return the report on an assessment as the text of one HTML page, which needs no other file."""
+def size_report(sheet: Sheet, result: dict[str, Any], solved: str = "") -> str:
+    """Return the report on a sheet of statics, of which the JSON says ``result``; ``solved`` as of :func:`report`."""
+    title, curve = f"{sheet.name}: what does it take?", said("curve", result["friction_curve"])
+    found = {"assessment": None, "sheet": sheet, "statics": statics(sheet), "sentence": result["sentence"]}
+    return _page("report.html.j2", title=title, curve=curve, solved=solved, **found)
+
+
+def report(assessment: Assessment, charts: list[Chart], solved: str = "") -> str:
+    """Return the report on an assessment as the text of one HTML page, which needs no other file.
+
+    ``solved``: a sentence on the entry that was solved for.
+    """
     from lsvib.sheets import pictures
 
     sheet = assessment.draw.sheet
@@ -102,8 +114,11 @@ def report(assessment: Assessment, charts: list[Chart]) -> str:
         "report.html.j2",
         title=f"{sheet.name}: will it vibrate?",
         assessment=assessment,
+        statics=assessment.statics,
+        solved=solved,
+        sentence=assessment.sentence,
+        curve=said("curve", of_curve(assessment.draw)),
         sheet=sheet,
-        given=sheet.paths(),
         spread=assessment.uncertainty,
         worst=worst.vibration,
         names=assessment.names,
@@ -114,8 +129,6 @@ def report(assessment: Assessment, charts: list[Chart]) -> str:
         charts=charts,
         pictures=pictures,
         motions={"At the given values": nominal} if worst is nominal else motions,
-        endangered=bool(assessment.statics.back_drives) or any(row.exceeded for row in assessment.statics.limited),
-        entries=[(path, _entry(one)) for path, one in sheet.entries() if one is not None],
     )
 
 
@@ -133,7 +146,8 @@ def _oscillations(assessment: Assessment) -> list[str]:
     return found
 
 
-def _entry(entry: object) -> str:
+def entry_text(entry: object) -> str:
+    """Return what a sheet says of an entry."""
     if isinstance(entry, Spread):
         kind = "anywhere in the range" if entry.kind == "uniform" else entry.kind
         return entry.text if kind == "value" else f"{entry.text} ({kind})"
@@ -151,7 +165,8 @@ def compare(verdicts: Sequence[Path], page_file: Path, json_file: Path) -> None:
     ``InputError`` in one sentence if a file is missing or damaged.
     """
     found = [{"report": f"{path.parent.name}/index.html", **_short(path)} for path in verdicts]
-    found.sort(key=lambda short: (-short["probability"], short["reserve"]))
+    drives, sizes = ([one for one in found if (one["verdict"] is None) == still] for still in (False, True))
+    found = sorted(drives, key=lambda one: (-one["probability"], one["reserve"])) + sizes
     names = {about.name: about.words for about in words.QUANTITIES.values()}
     page = _page("report_comparison.html.j2", title="Which drives vibrate?", drives=found, names=names)
     write_text(page, page_file)
@@ -162,21 +177,24 @@ def _short(path: Path) -> dict[str, Any]:
     """What the comparison says of a drive, from its file ``assessment.json``."""
     try:
         verdict = json.loads(path.read_text(encoding="utf-8"))
+        rows = {key: row for key, row in verdict["statics"].items() if key != "back_drives"}
+        about = {key: verdict[key] for key in ("name", "verdict", "self_locking", "efficiency")} | {
+            "torque": rows.get("lifting_torque", {"worst": None})["worst"],
+            "exceeded": [key for key, row in rows.items() if row["exceeded"] and key != "holding_friction"],
+        }
+        if verdict["verdict"] is None:
+            return about | dict.fromkeys(_OF_VIBRATION)
         name, one = min(verdict["mechanisms"].items(), key=lambda item: item[1]["reserve"])
         margins = verdict["any_mechanism"]["margin"].items()
         nearest = ((key, row["factor"]) for key, row in margins if row["factor"] is not None)
         worst = verdict["worst_case"]
-        return {
-            "name": verdict["name"],
-            "verdict": verdict["verdict"],
+        return about | {
             "probability": verdict["any_mechanism"]["probability"],
             "interval": verdict["any_mechanism"]["interval"],
             "nearest_mechanism": name,
             "reserve": one["reserve"],
             "nearest_change": dict(zip(("quantity", "factor"), next(nearest, (None, None)), strict=True)),
             "worst_case": {key: worst[key] for key in ("attractor", "frequency", "amplitude", "peak_contact_force")},
-            "self_locking": verdict["self_locking"],
-            "efficiency": verdict["efficiency"],
         }
     except OSError as error:
         raise InputError(f"Cannot read {path}: {error.strerror}.") from None

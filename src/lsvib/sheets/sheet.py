@@ -65,12 +65,17 @@ class Thread(Part):
     nominal_diameter: fields.Diameter | None = None
     pitch_diameter: fields.Diameter | None = None
     half_angle: fields.HalfAngle | None = None
-    _needed = (("size", "lead", "lead_angle", "pitch"), ("size", "nominal_diameter", "pitch_diameter"))
+    _needed = (("size", "lead", "lead_angle", "pitch"),)
     _either = (
         ("size", "lead", "lead_angle", "pitch", "starts", "nominal_diameter", "pitch_diameter", "half_angle"),
         ("lead", "lead_angle"),
         ("nominal_diameter", "pitch_diameter"),
     )
+
+    @property
+    def bare(self) -> bool:
+        """Whether it has no diameter, which a lead with a measured efficiency does not need for a torque."""
+        return all(one is None for one in (self.size, self.nominal_diameter, self.pitch_diameter))
 
     def _misfit(self) -> str | None:
         lead, pitch, counted = self.lead, self.pitch, "starts" in self.model_fields_set
@@ -200,7 +205,7 @@ class Load(Part):
 class Running(Part):
     """How the drive is run: speeds of the screw or of the load, and the directions of travel."""
 
-    speed: fields.Speed
+    speed: fields.Speed | None = None
     direction: Literal["out", "back", "both"] = "both"
 
 
@@ -331,19 +336,24 @@ class Spring(Part):
     damping: fields.LinearDamping | None = None
 
 
+NO_DIAMETER = "thread has none of size, nominal_diameter, pitch_diameter; give one of them"
+_OF_SPEED = "friction.curve friction.stribeck_rise damping.rotational damping.translational bearing.viscous"
+
+
 class Sheet(Part):
     """A whole data sheet. ``sources`` and ``assumptions`` say of an entry, such as load.mass, where it comes from.
 
-    Without one of the mass that is moved, the screw's inertia and the coupling's stiffness it is one of statics.
+    Without one of the mass that is moved, the screw's inertia, the coupling's stiffness, a speed and a diameter it is
+    one of statics.
     """
 
-    name: str = Field(min_length=1, max_length=200)
+    name: str = Field("drive", min_length=1, max_length=200)
     thread: Thread
     screw: Screw = Screw()
     coupling: Coupling = Coupling()
     motor: Motor | None = None
     load: Load
-    operation: Running
+    operation: Running = Running()
     friction: Friction
     damping: Dampings = Dampings()
     bearing: Bearing = Bearing()
@@ -372,6 +382,13 @@ class Sheet(Part):
             if isinstance(part, Part) and (problem := part.problem()) is not None:
                 raise InputError(problem)
         root, size = sheet.screw.root_diameter, sheet.thread.size
+        rubs = sheet.friction.coefficient is not None and (sheet.friction.coefficient.high > 0 or sheet.friction.law)
+        if sheet.thread.bare and (rubs or sheet.thread.lead_angle is not None):
+            raise InputError(f"{NO_DIAMETER}, or friction.efficiency beside the lead.")
+        if sheet.thread.bare and sheet.screw.length is not None and sheet.screw.diameter is None:
+            raise InputError("screw.length needs screw.diameter where the thread has no diameter.")
+        if not sheet.runs and (fast := next(filter(sheet.paths().__contains__, _OF_SPEED.split()), None)):
+            raise InputError(f"{fast} needs operation.speed, as what it does depends on the speed.")
         if sheet.screw.ends is not None and root is None and size is None:
             raise InputError("screw.ends needs screw.root_diameter, or thread.size from which it follows.")
         outer = sheet.thread.pitch_diameter or sheet.thread.nominal_diameter
@@ -396,8 +413,8 @@ class Sheet(Part):
 
     @classmethod
     def read(cls, path: str | Path) -> Self:
-        """Read a sheet from a YAML file; raises ``InputError`` in one sentence."""
-        return cls.of(read_yaml(path))
+        """Read a sheet from a YAML file, whose name it has unless it says another; raises ``InputError``."""
+        return cls.of({"name": Path(path).stem, **read_yaml(path)})
 
     def paths(self) -> set[str]:
         """Return the names of the entries that are given, and of the parts."""
@@ -411,12 +428,19 @@ class Sheet(Part):
             "the inertia or length of the screw": self.screw.inertia or self.screw.length,
             "coupling.stiffness": self.coupling.stiffness,
             "load.mass": self.load.mass,
+            "operation.speed": self.operation.speed,
+            "a diameter of the thread": None if self.thread.bare else self.thread,
         }
         missing = [name for name, value in given.items() if value is None]
         if missing:
             listed = " and ".join([", ".join(missing[:-1]), missing[-1]] if missing[1:] else missing)
             return f"the sheet does not give {listed}"
         return "the motion of a preloaded nut, both halves of which rub, is not followed" if self.preloaded else ""
+
+    @property
+    def runs(self) -> bool:
+        """Whether it says how fast the drive runs."""
+        return self.operation.speed is not None
 
     @property
     def preloaded(self) -> bool:

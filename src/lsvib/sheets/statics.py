@@ -39,7 +39,8 @@ class Row:
     """One quantity of :data:`lsvib.sheets.words.ABOUT`: ``middle`` and ``worst`` value, its ``limit`` there, if any.
 
     ``exceeded``: whether the worst value is beyond the limit. ``middle`` is None where a load is lifted or lowered in
-    the middle of the window at no time, but at its ends.
+    the middle of the window at no time, but at its ends. Of the speed of a screw that the sheet does not give there is
+    the limit alone, and ``worst`` is NaN.
     """
 
     key: str
@@ -63,8 +64,8 @@ class Statics:
 
     @property
     def limited(self) -> list[Row]:
-        """The rows that have a limit."""
-        return [row for row in self.rows.values() if row.limit is not None]
+        """The rows that have a limit, and a value that is held against it."""
+        return [row for row in self.rows.values() if row.limit is not None and not math.isnan(row.worst)]
 
 
 def torque(
@@ -132,6 +133,19 @@ def critical_speed(modulus: Any, density: Any, diameter: Any, length: Any, root:
     return root**2 * diameter / (4 * length**2) * np.sqrt(modulus / density)
 
 
+def row_of(sheet: Sheet, key: str, side: str = "middle") -> Row | None:
+    """Return a row with its value and limit, None where the sheet has no such row.
+
+    ``side``: ``middle`` values, ``worst`` ones, or the ``best`` for which the worst of the window can be hoped within
+    the uncertainties.
+    """
+    draw = Draw.of(sheet, None if side == "middle" else ends(sheet))
+    found = _judged(draw, *(_middle(_window(draw)) if side == "middle" else _points(draw)))
+    if key not in found or key in _unasked(sheet):
+        return None
+    return _row(key, found[key], None, side == "best")
+
+
 def statics(sheet: Sheet) -> Statics:
     """Return all rows for which a sheet has the entries, at the middle values and at the worst ones."""
     draw = Draw.of(sheet)
@@ -143,16 +157,26 @@ def statics(sheet: Sheet) -> Statics:
             f"friction.curve ends at {sheet.friction.curve[-1][0]:g} m/s, and the law that fits it falls to zero "
             "before the fastest sliding of the threads; give points up to there."
         )
-    worst = _judged(draw, *_points(draw))
+    worst, unasked = _judged(draw, *_points(draw)), _unasked(sheet)
     rows = {key: _row(key, worst[key], middle.get(key)) for key in ABOUT if key in worst}
     holding, pushed = rows["holding_friction"], _pushed(draw)
     falls = bool((pushed * draw.weight > 0).any())
     if not pushed.any():
-        return Statics({**rows, holding.key: replace(holding, exceeded=False)}, None, falls)
+        rows[holding.key] = replace(holding, exceeded=False)
+    whirls = [replace(rows[key], middle=None, worst=math.nan) for key in rows.keys() & {"screw_speed"} & unasked]
+    rows = {key: row for key, row in rows.items() if key not in unasked} | {row.key: row for row in whirls}
+    if not pushed.any():
+        return Statics(rows, None, falls)
     if not holding.exceeded:
         return Statics(rows, False, falls)
     surely = surely_pushed and _row(holding.key, middle[holding.key], None).exceeded
     return Statics(rows, "at the middle values" if surely else "within the uncertainties", falls)
+
+
+def _unasked(sheet: Sheet) -> set[str]:
+    """The rows that need a speed or a diameter which the sheet does not give."""
+    still, flat = {"sliding_speed", "pv", "screw_speed"}, {"sliding_speed", "pv", "nut_pressure", "holding_friction"}
+    return (set() if sheet.runs else still) | (flat if sheet.thread.bare else set())
 
 
 def lets_go(draw: Draw, changed: Draw) -> bool:
@@ -244,7 +268,7 @@ def _judged(draw: Draw, speed: Floats, held: Floats, load: Floats) -> dict[str, 
         ("braking", (held < 0) & (braking > 0), braking),
     ):
         for row, factor in ((f"{name}_torque", 1.0), (f"{name}_power", speed)):
-            if row in ABOUT and acting.any():
+            if row in ABOUT and acting.any() and (sheet.runs or row.endswith("_torque")):
                 found[row] = np.where(acting, effort * factor, np.nan), None
     if "lifting_torque" in found and "coupling.gear_ratio" in entries:
         found["motor_torque"] = found["lifting_torque"][0] / entries["coupling.gear_ratio"], None
@@ -317,13 +341,19 @@ def _shaft(
     return found
 
 
-def _row(key: str, judged: Judged, middle: Judged | None) -> Row:
-    """The row of a quantity at its worst point: nearest to the limit or beyond it, or the largest where it has none."""
+def _row(key: str, judged: Judged, middle: Judged | None, best: bool = False) -> Row:
+    """The row of a quantity at its worst point: nearest to the limit or beyond it, or the largest where it has none.
+
+    ``best``: in that of all draws, the last axis, which is best at its worst point.
+    """
     value, limit = judged
     low = key in ("lifting_efficiency", "holding_friction")  # of these the lowest is the worst
     with np.errstate(divide="ignore", invalid="ignore"):  # where no friction is needed to hold
         score = (-1 if low else 1) * (value if limit is None else value / limit)
     value, limits, score = np.broadcast_arrays(value, np.nan if limit is None else limit, score)
+    if best and score.ndim:
+        highest = np.where(np.isnan(score), -np.inf, score).reshape(-1, score.shape[-1]).max(axis=0)
+        score = np.where(highest == np.min(highest[highest > -np.inf]), score, np.nan)
     k = np.unravel_index(np.nanargmax(score), score.shape) if score.ndim else ()
     found, most = float(value[k]), None if limit is None else float(limits[k])
     exceeded = most is not None and (found < most if low else found > most)

@@ -205,14 +205,10 @@ def tolerated_by_trial(drive: Drive, stiff: float | None) -> Tolerated:
 
     ``stiff``: what the drive with stiff threads tolerates [rad/s], around which others are tried.
     """
-    from lsvib.systems.attractor import steady_state
-
     threads = TOLERATED["threads"] if "threads" in drive.parts else ""
-    definition = model_of(drive)
 
     def ends(speed: float) -> str:
-        state = definition.initial_state(drive, {"u": 0.0, "w": speed})
-        return plain(steady_state(automaton, state, max_events=_WORK_OF_MANY // 3).label)
+        return plain(_ended(drive, speed / drive.input_speed, _WORK_OF_MANY // 3)[-1].label)
 
     known = stiff if stiff is not None and 0 < stiff < math.inf else None
     scale = known or abs(drive.input_speed)
@@ -221,7 +217,6 @@ def tolerated_by_trial(drive: Drive, stiff: float | None) -> Tolerated:
         tried = f"{tried} {TOLERATED['beside'].format(size=shown(stiff, 'rad/s'))}"
     low = 0.0
     try:
-        automaton = automaton_of(drive)
         slightest = ends(NUDGE**2 * scale)
         if slightest != "steady sliding":  # without damping it neither comes back nor vibrates more and more
             known = 0.0 if slightest not in ("neutral family", "unresolved") else None

@@ -89,7 +89,7 @@ def us_units_too(wanted: bool = True) -> Iterator[None]:
         _us_too.reset(before)
 
 
-def shown(value: float | None, unit: str, inner: bool = False) -> str:
+def shown(value: float | None, unit: str, inner: bool = False, *, digits: int = 3) -> str:
     """Return a quantity in SI units with a prefix where one is usual, rad and rad/s in degrees and rpm, Pa in MPa.
 
     ``unit`` in the spelling of datasets (``N m s rad-1``) or of people; an empty text or 1 for plain numbers.
@@ -97,31 +97,31 @@ def shown(value: float | None, unit: str, inner: bool = False) -> str:
     """
     size, name = _WORDS["us_units"].get(re.sub(r" (\w+)-1$", r"/\1", unit), (0.0, ""))
     if not (_us_too.get() and size and value and math.isfinite(value)):
-        return _in_si(value, unit)
+        return _in_si(value, unit, digits)
     ends = "[]" if inner else "()"
-    return f"{_in_si(value, unit)} {ends[0]}{_figure(value / size)} {name}{ends[1]}"
+    return f"{_in_si(value, unit, digits)} {ends[0]}{_figure(value / size, digits)} {name}{ends[1]}"
 
 
-def _in_si(value: float | None, unit: str) -> str:
-    if value is None:
+def _in_si(value: float | None, unit: str, digits: int) -> str:
+    if value is None or math.isnan(value):
         return "–"
     if math.isinf(value):
         return "any" if value > 0 else "none"
     if unit in ("rad s-1", "rad/s"):
-        return f"{_figure(value * 60 / (2 * math.pi))} rpm"
+        return f"{_figure(value * 60 / (2 * math.pi), digits)} rpm"
     if unit == "rad":
-        return f"{_figure(math.degrees(value))}°"
+        return f"{_figure(math.degrees(value), digits)}°"
     if unit in ("Pa", "Pa m/s"):
-        return f"{_figure(1e-6 * value)} M{unit}"
+        return f"{_figure(1e-6 * value, digits)} M{unit}"
     unit = re.sub(r" (\w+)-1$", r"/\1", unit)
     unit = re.sub(r"m\^?([23])$", lambda power: "m²" if power[1] == "2" else "m³", unit)
     if unit in ("", "1"):
-        return _figure(value)
+        return _figure(value, digits)
     if unit in _PREFIXED and value != 0:
-        size = abs(value) * (1 + 0.5 * 1e-3)  # so that 999.7 becomes 1 k
+        size = abs(value) * (1 + 0.5 * 10.0**-digits)  # so that 999.7 becomes 1 k
         factor, prefix = next((pair for pair in _PREFIXES if size >= pair[0]), _PREFIXES[-1])
-        return f"{_figure(value / factor)} {prefix}{unit}"
-    return f"{_figure(value)} {unit}"
+        return f"{_figure(value / factor, digits)} {prefix}{unit}"
+    return f"{_figure(value, digits)} {unit}"
 
 
 def size(value: float | None, unit: str, inner: bool = False) -> str:
@@ -131,7 +131,7 @@ def size(value: float | None, unit: str, inner: bool = False) -> str:
 
 def percent(value: float | None) -> str:
     """Return a share as a percentage, with enough digits near its ends."""
-    if value is None:
+    if value is None or math.isnan(value):
         return "–"
     share, digits = 100 * value, 4
     if share <= 99 or value >= 1:
@@ -155,8 +155,8 @@ def change(factor: float | None) -> str:
     return f"{abs(factor - 1) * 100:.3g} % {'larger' if factor > 1 else 'smaller'}"
 
 
-def _figure(value: float) -> str:
-    text = f"{value or 0.0:.3g}"  # zero without a sign
+def _figure(value: float, digits: int = 3) -> str:
+    text = f"{value or 0.0:.{digits}g}"  # zero without a sign
     mantissa, _, exponent = text.partition("e")
     if exponent and 0 < int(exponent) < 6:
         text = f"{value:.0f}"
