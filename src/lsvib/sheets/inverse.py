@@ -6,6 +6,7 @@ The row is looked at over the allowed range of the entry; where it passes the va
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import cache, partial
 from typing import Any, get_args
 
 import numpy as np
@@ -175,20 +176,13 @@ class _Search:
 
     def roots(self, side: str, near: float) -> list[float]:
         """Return the values of the entry, that next to ``near`` first; of its sign, or if there is none the other."""
-        known: dict[float, float | None] = {}
-
-        def at(value: float) -> float | None:
-            if value not in known:
-                known[value] = self.gap(side, value)
-            return known[value]
-
+        at = cache(partial(self.gap, side))
         for sign in (-1, 1) if near < 0 else (1, -1):
             least, most = sorted(sign * end for end in self.ends)
             if most <= 0:
                 continue
-            sizes = np.geomspace(least if least > 0 else most * 10.0**-_DECADES, most, _PLACES).tolist()
-            sizes += [0.0] * (least <= 0) + [abs(near)] * (sign * near > 0)
-            places = sorted({sign * size for size in sizes})
+            sizes = np.geomspace(max(least, most * 10.0**-_DECADES), most, _PLACES).tolist()
+            places = sorted({sign * size for size in sizes} | ({0.0} if least <= 0 else set()) | ({near} - {0.0}))
             found = {place for place in places if at(place) == 0} | set(crossings(at, places, 1e-15))
             true = sorted((one for one in found if abs(at(one) or 0.0) <= _CLOSE), key=lambda one: abs(one - near))
             if true:
@@ -205,10 +199,8 @@ class _Search:
         """Why there is no solution, in one sentence."""
         if not self.seen:
             return self.refused
-        ends, said = " and ".join(shown(end, self.unit) for end in self.ends), (min(self.seen), max(self.seen))
-        if self.wanted is None:
-            goal, reach = "brings {} to its limit", [f"{percent(one)} of it" for one in said]
-        else:
-            goal = f"makes {{}} {_said(self.row, self.wanted)}"
-            reach = [_said(self.row, one * self.wanted) for one in said]
-        return f"No {self.entry} between {ends} {goal.format(self.row)}: it is {' to '.join(dict.fromkeys(reach))}."
+        wanted, ends = self.wanted, " and ".join(shown(end, self.unit) for end in self.ends)
+        goal = f"brings {self.row} to its limit" if wanted is None else f"makes {self.row} {_said(self.row, wanted)}"
+        both = (min(self.seen), max(self.seen))
+        said = [f"{percent(one)} of it" if wanted is None else _said(self.row, one * wanted) for one in both]
+        return f"No {self.entry} between {ends} {goal}: it is {' to '.join(dict.fromkeys(said))}."
