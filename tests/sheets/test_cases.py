@@ -8,6 +8,7 @@ import pytest
 import yaml
 
 from lsvib.sheets.fields import quantity
+from lsvib.sheets.inverse import solved
 from lsvib.sheets.sheet import Sheet
 from lsvib.sheets.statics import statics
 from lsvib.sheets.words import ABOUT
@@ -34,25 +35,27 @@ def put(sheet: dict, path: str, value: object) -> None:
 
 @pytest.mark.parametrize(("case", "key"), ASKED)
 def test_the_printed_answer_or_why_it_is_another(case, key):
-    """Where an entry is asked for, it is put in, and the row for which it was asked comes out."""
-    sheet = {"name": case["title"], "operation": {"speed": "1 rpm"}, **deepcopy(case["sheet"])}
-    said, given = answers(case)[key], case.get("solve")
+    """Where an entry is asked for, it is solved for, and the other rows are those with its value."""
+    sheet, said, given = deepcopy(case["sheet"]), answers(case)[key], case.get("solve")
     for path, value in case.get("until", {}).items():
         put(sheet, path, value)
     if given:
-        put(sheet, given, answers(case)[given].get("correct", answers(case)[given]["printed"]))
+        ((row, wanted),) = case["for"].items()
+        answer = solved(sheet, given, f"{row} = {wanted}")
+    found = statics(answer.sheet if given else Sheet.of(sheet))
+    name, _, column = key.partition(".")
     if key == given:
-        ((key, printed),) = case["for"].items()
-        said = {"printed": printed, "within": "0.2 %"}
-    found = statics(Sheet.of(sheet))
-    name, _, column = key.replace("motor.torque", "lifting_torque").partition(".")
-    value = found.back_drives if name == "back_drives" else getattr(found.rows[name], column or "worst")
+        value, unit = answer.values[0], answer.unit
+    elif name == "back_drives":
+        value, unit = found.back_drives, ""
+    else:
+        value, unit = getattr(found.rows[name], column or "worst"), ABOUT[name]["unit"].strip("1")
     if isinstance(value, bool | str):
         assert value == said["printed"]
         return
     ends = {}
     for kind in said.keys() & {"printed", "correct"}:
-        exact, digits = quantity(said[kind], ABOUT[name]["unit"].strip("1"))[0], Decimal(str(said[kind]).split()[0])
+        exact, digits = quantity(said[kind], unit)[0], Decimal(str(said[kind]).split()[0])
         half = exact / float(digits) * 0.505 * 10.0 ** int(digits.as_tuple().exponent)
         ends[kind] = pytest.approx(exact, abs=half, rel=quantity(said.get("within", 0), "")[0])
     assert value == ends.pop("correct", ends["printed"])
