@@ -233,12 +233,6 @@ def test_what_may_stop_is_said():
     assert "Once it moves, it may not stop" not in " ".join(brief(assess(sheet(load=LOAD, friction=stops), 64)))
 
 
-def test_the_motor_has_the_torque_over_the_gear_ratio():
-    found = statics(sheet(load=LOAD, coupling={"stiffness": "60 N*m/rad", "gear_ratio": 5})).rows
-    assert found["motor_torque"].worst == pytest.approx(found["lifting_torque"].worst / 5, rel=1e-12)
-    assert "motor_torque" not in statics(sheet(load=LOAD)).rows
-
-
 def test_a_sizing_question_needs_no_dynamics(tmp_path):
     """A jack: thread, load, speed, friction and nut. Its statics are those of the same sheet with a drive."""
     given = {

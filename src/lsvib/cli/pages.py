@@ -97,7 +97,7 @@ def assess(
         from lsvib.sheets.output import assess
     asked = (solve, goal) if solve and goal else None
     result = assess(sheet, out, 4096 if samples is None else samples, seed, units, asked)
-    names = "and assessment.json" if result["verdict"] is None else "assessment.nc and assessment.json"
+    names = "and assessment.json" if result["vibration"] is None else "assessment.nc and assessment.json"
     written = [f"wrote {out / 'index.html'}, {names}".replace(", and", " and")] if out is not None else []
     show(result, as_json, [*result["brief"], *written])
 

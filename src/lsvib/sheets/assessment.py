@@ -10,6 +10,7 @@ from lsvib.sheets import vibration as motions
 from lsvib.sheets.changes import ANY, Change, advice, margins
 from lsvib.sheets.draw import Draw
 from lsvib.sheets.from_rest import FromRest, Starter, from_rest
+from lsvib.sheets.move import Ripple, ripple
 from lsvib.sheets.operation import Operation
 from lsvib.sheets.sheet import Sheet
 from lsvib.sheets.statics import Statics, statics
@@ -52,7 +53,8 @@ class Assessment:
     ``draw``: the drive at the middle values; ``mechanisms``: what was found of each, ``perturbed`` of vibration after a
     perturbation; ``margins``: those of all mechanisms together, nearest first; ``nominal``, ``worst``: the motion at
     the middle values and in the worst case, each where the reserve is lowest; ``from_rest``: what it does when it is
-    switched on; ``changes`` of one quantity that end vibration or jerks, those that end all of it first.
+    switched on; ``ripple``: what a ramp leaves, if there is one; ``changes`` of one quantity that end vibration or
+    jerks, those that end all of it first.
     """
 
     draw: Draw
@@ -65,11 +67,17 @@ class Assessment:
     worst: AssessedMotion
     statics: Statics
     from_rest: FromRest
+    ripple: Ripple | None = None
     changes: list[Change] = field(default_factory=list)
 
-    @cached_property
+    @property
     def verdict(self) -> str:
-        """The verdict, a key of :data:`lsvib.sheets.words.VERDICTS`."""
+        """The verdict, a key of :data:`lsvib.sheets.words.VERDICTS`: that of a motor or brake goes before vibration."""
+        return self.statics.verdict or self.vibration
+
+    @cached_property
+    def vibration(self) -> str:
+        """The verdict on vibration alone."""
         started, without_reserve = self.from_rest, min(one.reserve for one in self.mechanisms.values()) == 0
         if any(one.occurs for one in self.mechanisms.values()):
             return "vibrates"
@@ -93,7 +101,8 @@ class Assessment:
     @property
     def sentence(self) -> str:
         """The verdict in words."""
-        return VERDICTS[self.verdict]
+        weak, own = self.statics.sentence, VERDICTS[self.vibration]
+        return f"{weak} What follows is for one that is strong enough. {own}" if weak else own
 
     @cached_property
     def efficiency(self) -> dict[str, float | None]:
@@ -130,12 +139,13 @@ def assess(sheet: Sheet, samples: int = 4096, seed: int = 1) -> Assessment:
     starter = Starter(sheet)
     started = _started(nominal.there, mechanisms, perturbed, spread, starter)
     worst = _worst_motion(sheet, mechanisms, spread) if spread.cases else nominal
-    found = Assessment(draw, seed, mechanisms, perturbed, edges[ANY], spread, nominal, worst, rows, started)
-    if found.verdict == "jerks" and started.motion is not None:
+    after = _ripple(draw)
+    found = Assessment(draw, seed, mechanisms, perturbed, edges[ANY], spread, nominal, worst, rows, started, after)
+    if found.vibration == "jerks" and started.motion is not None:
         jerks = AssessedMotion("from_rest", started.there, started.motion, (None, ""))
         found = replace(found, nominal=jerks, worst=jerks)
-    if found.verdict in ("vibrates", "jerks"):
-        found = replace(found, changes=advice(draw, edges[ANY], found.verdict == "vibrates", starter))
+    if found.vibration in ("vibrates", "jerks"):
+        found = replace(found, changes=advice(draw, edges[ANY], found.vibration == "vibrates", starter))
     return found
 
 
@@ -153,6 +163,16 @@ def require_a_drive(window: OperatingWindow) -> None:
                     "angle); lower friction or the lead of the thread."
                 ) from None
             raise InputError(f"The data sheet makes a drive that is out of range: {error}") from None
+
+
+def _ripple(draw: Draw) -> Ripple | None:
+    """What is left of a ramp at the middle values, as long as the load runs on, a second at most."""
+    run = draw.run
+    if run is None or run.time <= (2 + 1e-6) * run.ramp:
+        return None
+    force = 0.5 * (draw.values["force_low"] + draw.values["force_high"])
+    there = Operation(draw, draw.sheet.directions[0], draw.values["speed_high"], force)
+    return ripple(there.drive, draw.sheet.operation.move, run.ramp, min(run.time - 2 * run.ramp, 1.0))
 
 
 def _finding(window: OperatingWindow, name: str, spread: Uncertainty, edges: list[Change]) -> Finding:

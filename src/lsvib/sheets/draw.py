@@ -23,6 +23,7 @@ from lsvib.sheets.formulas import (
     thread_geometry,
 )
 from lsvib.sheets.materials import SCREW_MATERIALS
+from lsvib.sheets.move import Course, course
 from lsvib.sheets.sheet import Motor, Sheet
 
 PAIRS = {"force": ("force_low", "force_high"), "speed": ("speed_low", "speed_high")}
@@ -91,8 +92,11 @@ class Draw:
             new["screw_inertia"] = besides + (old["screw_inertia"] - besides) * factors**4
             if "screw_mass" in old and sheet.screw.mass is None:
                 new["screw_mass"] = old["screw_mass"] * factors**2
-        if "lead" in new and sheet.operation.speed and sheet.operation.speed.unit == "m/s":
+        if "lead" in new and sheet.operation.of_load:
             new |= {key: old[key] / factors for key in PAIRS["speed"]}
+        if "mass" in new and "guide.coefficient" in entries:
+            pressed = entries["guide.coefficient"] * GRAVITY * np.cos(old["tilt"])
+            new["slide_friction"] = old["slide_friction"] + pressed * (new["mass"] - old["mass"])
         if "motor.bandwidth" in entries and new.keys() & {"motor_inertia", "screw_inertia"}:
             own = [sum({**old, **more}[key] for key in ("motor_inertia", "screw_inertia")) for more in ({}, new)]
             new |= {key: old[key] * own[1] / own[0] for key in ("speed_gain", "integral_gain")}
@@ -128,6 +132,16 @@ class Draw:
     def travel(self) -> Any:
         """The travel of the load per radian of the screw [m]."""
         return self.values["lead"] / (2 * math.pi)
+
+    @property
+    def run(self) -> Course | None:
+        """The move of the sheet, or a ramp of its acceleration to the highest speed; None if it has neither."""
+        operation, entries = self.sheet.operation, self.entries
+        if operation.acceleration is None:
+            return course(operation.move, entries, self.values["lead"]) if operation.move else None
+        speed = self.values["speed_high"] * self.travel
+        most = entries["operation.acceleration"] * (1.0 if operation.acceleration.unit == "m/s^2" else self.travel)
+        return Course(speed, speed / most, np.inf, most)
 
     @property
     def friction_law(self) -> dict[str, Any]:
@@ -187,14 +201,19 @@ def _quantities(sheet: Sheet, entries: Values) -> dict[str, Any]:
     undamped = {f"{part}.damping": 0.0 for part in ("contact", "support") if f"{part}.stiffness" in entries}
     given = {**undamped, **entries}
     found |= {key: given[path] for key, path in _ABSENT.items() if path in given}
-    if sheet.motor is not None:
+    if "guide.coefficient" in entries:
+        pressed = entries["guide.coefficient"] * found["mass"] * GRAVITY * np.cos(found["tilt"])
+        found["slide_friction"] = found.get("slide_friction", 0.0) + pressed
+    if sheet.motor is not None and sheet.motor.complies:
         found |= _motor(sheet.motor, entries, found["screw_inertia"], gear)
     if sheet.support is not None:
         found["screw_mass"] = screw_mass
-    moved = sheet.operation.speed is not None and sheet.operation.speed.unit == "m/s"
-    turns = 2 * math.pi / lead if moved else 1.0  # from the speed as given to rad/s
+    move, turns = sheet.operation.move, 1.0
+    if move or sheet.operation.of_load:
+        turns = 2 * math.pi / lead  # of the screw, from the speed of the load to rad/s
+    run = {"operation.speed": course(move, entries, lead).speed} if move else {}
     for key, path, scale in (("force", "load.force", 1.0), ("speed", "operation.speed", turns)):
-        one = entries.get(path, 0.0)
+        one = {**entries, **run}.get(path, 0.0)
         low, high = (sheet.spreads[path].low, sheet.spreads[path].high) if sheet.is_window(path) else (one, one)
         found |= {f"{key}_low": low * scale, f"{key}_high": high * scale}
     return found

@@ -44,6 +44,8 @@ _KINDS = {  # of quantities, by the unit in which the package counts them, each 
     "Hz": ("a frequency", "50 Hz"),
     "rad/s": ("a rotational speed", "60 rpm"),
     "m/s": ("a speed", "10 mm/s"),
+    "rad/s^2": ("a rotational acceleration", "100 rad/s^2"),
+    "m/s^2": ("an acceleration", "2 m/s^2"),
     "s/m": ("a slope of the friction coefficient over the sliding speed", "-0.02 s/m"),
     "": ("a plain number or a percentage", "0.15"),
 }
@@ -327,8 +329,10 @@ Rubbing = _field("N", 0.0, 1e10)
 Torque = _field("N m", -1e9, 1e9)
 Drag = _field("N m", 0.0, 1e9)
 Speed = _positive({"rad/s": 1e6, "m/s": 1e3})
+Acceleration = _positive({"rad/s^2": 1e9, "m/s^2": 1e6})
 Bandwidth = _field("Hz", 0.01, 1e5)
 Duration = _positive({"s": 1e3})
+Pause = _field("s", 0.0, 1e6)
 Holding = _positive({"N m": 1e9})
 TorqueConstant = _positive({"N m/A": 1e6})
 Counts = _positive({"": 1e9})
@@ -336,8 +340,10 @@ Ratio = _positive({"": 1e4})
 Coefficient = _field("", 0.0, 3.0)
 Efficiency = _field("", 0.001, 1.0)
 Share = _field("", 0.0, 1.0)
+GearEfficiency = _field("", 0.01, 1.0)
 Slope = _field("s/m", -1e3, 1e3)
 SlidingSpeed = _positive({"m/s": 1e4})
+TorqueCurve = Annotated[tuple[tuple[float, float], ...], BeforeValidator(lambda value: _torque_curve(value))]
 
 
 def _tilt(value: Any) -> Spread:
@@ -356,11 +362,26 @@ def _tilt(value: Any) -> Spread:
 Tilt = Annotated[Spread, BeforeValidator(_tilt), (("rad", (-math.pi / 2, math.pi / 2)),)]
 
 
+def _pairs(value: Any, words: str, *units: str) -> tuple[tuple[float, float], ...]:
+    """Return pairs of quantities in two units; raises ``NotQuantity``."""
+    if not (isinstance(value, list) and value and all(isinstance(row, list) and len(row) == 2 for row in value)):
+        raise NotQuantity(f"is not a list of pairs [{words}]")
+    return tuple((quantity(one, units[0])[0], quantity(other, units[1])[0]) for one, other in value)
+
+
+def _torque_curve(value: Any) -> tuple[tuple[float, float], ...]:
+    """Return pairs of the motor's speed [rad/s], ascending, and its torque there [N m]; raises ``NotQuantity``."""
+    pairs = _pairs(value, "speed, torque", "rad/s", "N m")
+    if len(pairs) < 2 or pairs[0][0] < 0 or any(after[0] <= before[0] for before, after in pairwise(pairs)):
+        raise NotQuantity("needs two points or more, whose speeds ascend from 0 rpm or above; it ends at the last")
+    if not 0 <= min(torque for _, torque in pairs) <= max(torque for _, torque in pairs) <= 1e9:
+        raise NotQuantity("has a torque outside the allowed range 0 N m <= value <= 1e9 N m")
+    return pairs
+
+
 def friction_curve(value: Any) -> tuple[tuple[float, float], ...]:
     """Return pairs of sliding speed [m/s], ascending, and friction coefficient [1]; raises ``NotQuantity``."""
-    if not (isinstance(value, list) and value and all(isinstance(row, list) and len(row) == 2 for row in value)):
-        raise NotQuantity("is not a list of pairs [sliding speed, coefficient]")
-    pairs = tuple((quantity(speed, "m/s")[0], quantity(coefficient, "")[0]) for speed, coefficient in value)
+    pairs = _pairs(value, "sliding speed, coefficient", "m/s", "")
     speeds, coefficients = zip(*pairs, strict=True)
     if not 1e-6 <= speeds[0] <= speeds[-1] <= 1e4 or any(after <= before for before, after in pairwise(speeds)):
         raise NotQuantity(

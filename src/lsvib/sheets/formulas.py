@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from lsvib.drives.mechanics import friction_factor
+from lsvib.drives.mechanics import friction_factor, thread_force
 
 GRAVITY = 9.80665  # m/s², standard
 Values = Mapping[str, Any]  # entries of a sheet or quantities of a drive by name: floats, or arrays that broadcast
@@ -45,6 +45,28 @@ def square_coefficient(coefficient: Any, lead_angle: Any, half_angle: Any) -> An
 def flank_coefficient(coefficient: Any, lead_angle: Any, half_angle: Any) -> Any:
     """Return the coefficient of the flank [1] from that of the square thread, the inverse of the function above."""
     return coefficient / np.sqrt(1 + (np.cos(lead_angle) * np.tan(half_angle)) ** 2)
+
+
+def torque(
+    force: Any,
+    pitch_radius: Any,
+    lead_angle: Any,
+    coefficient: Any,
+    lifting: bool,
+    collar: Any = 0.0,
+    relieved: Any = 0.0,
+) -> Any:
+    """Return the torque of threads and collar [N m] under an axial ``force`` [N], r F (tan(ρ ± λ) + μ_b r_b / r).
+
+    ``coefficient`` μ of the square thread, ρ = arctan μ; ``lifting``: against the force; ``collar``, μ_b r_b / r.
+    Lowering, it is negative where the thread does not lock and has to be braked. ``relieved`` [N]: on the half of a
+    preloaded nut, :func:`lsvib.drives.mechanics.relieved_half`; it adds r F′ (tan(ρ + λ) + tan(ρ − λ)).
+
+    >>> round(torque(1000.0, 9.188e-3, 0.04328, 0.15, lifting=True), 3)
+    1.788
+    """
+    threads = thread_force(force, relieved, coefficient, np.tan(lead_angle), -1 if lifting else 1)
+    return pitch_radius * (threads + force * collar)
 
 
 def lifting_efficiency(coefficient: Any, lead_angle: Any, collar: Any = 0.0) -> Any:

@@ -94,18 +94,21 @@ def _write(
 
 
 def _of_statics(sheet: Sheet) -> dict[str, Any]:
-    """The answer for a sheet that gives no drive which could vibrate: the verdict is None."""
+    """The answer for a sheet that gives no drive which could vibrate: its verdict is on motor and brake alone."""
     found, draw = statics(sheet), Draw.of(sheet)
     curve, (lifting, lowering) = of_curve(draw), map(float, draw.efficiencies)
     sentence = f"Whether it vibrates is not asked: {sheet.of_statics}."
     if sheet.load.mass is None:
         sentence += " No weight is counted."
+    more = said("move", draw), said("nut", sheet), said("curve", curve)
     return {
         "name": sheet.name,
-        "verdict": None,
-        "sentence": sentence,
-        "brief": [line for line in (*of_statics(found), said("nut", sheet), said("curve", curve), sentence) if line],
+        "verdict": found.verdict,
+        "vibration": None,
+        "sentence": f"{found.sentence} {sentence}".strip(),
+        "brief": [line for line in (found.sentence, *of_statics(found), *more, sentence) if line],
         "statics": _statics_json(found),
+        "motor": {"highest_speed": found.highest_speed},
         "friction_curve": curve,
         "pairings": sheet.pairings,
         "self_locking": lowering <= 0,
@@ -121,9 +124,12 @@ def as_json(assessment: Assessment) -> dict[str, Any]:
     return {
         "name": assessment.draw.sheet.name,
         "verdict": assessment.verdict,
+        "vibration": assessment.vibration,
         "sentence": assessment.sentence,
         "brief": brief(assessment),
         "statics": _statics_json(assessment.statics),
+        "motor": {"highest_speed": assessment.statics.highest_speed},
+        "ripple": assessment.ripple and vars(assessment.ripple),
         "friction_curve": of_curve(assessment.draw),
         "pairings": assessment.draw.sheet.pairings,
         "self_locking": assessment.efficiency["lowering"] is None,

@@ -26,6 +26,8 @@ from lsvib.sheets.fields import Spread
 from lsvib.sheets.formulas import FRICTION, sliding_speed
 from lsvib.sheets.from_rest import BEYOND
 from lsvib.sheets.materials import NUT_MATERIALS
+from lsvib.sheets.motor import LIMITED
+from lsvib.sheets.move import SETTLED
 from lsvib.sheets.sheet import Sheet
 from lsvib.sheets.statics import Statics, lets_go, statics
 from lsvib.sheets.threads import ThreadSize
@@ -44,6 +46,7 @@ def _templates(html: bool) -> Environment:
     found = words.environment(html)
     found.globals |= vars(words) | {"EFFORTS": EFFORTS, "BEYOND": BEYOND, "POOR": POOR, "drops": drops, "inf": math.inf}
     found.globals |= {"said": said, "entry_text": entry_text, "NUT_MATERIALS": NUT_MATERIALS}
+    found.globals |= {"LIMITED": LIMITED, "SETTLED": SETTLED}
     return found
 
 
@@ -60,16 +63,17 @@ def said(name: str, *about: Any) -> str:
 def brief(assessment: Assessment) -> list[str]:
     """Return the short answer for the shell, a sentence or two to a line: verdict, statics, limits, three changes."""
     known = 0 < (assessment.from_rest.even_speed or 0.0) < math.inf
-    told = assessment.verdict not in ("vibrates", "steady without reserve") or known
+    told = assessment.vibration not in ("vibrates", "steady without reserve") or known
     first = f"{assessment.sentence} {said('from_rest', assessment.from_rest) if told else ''}".strip()
-    changes = [said("changes", assessment)] if assessment.verdict in ("vibrates", "jerks") else []
-    curve, nut = said("curve", of_curve(assessment.draw)), said("nut", assessment.draw.sheet)
-    return [line for line in (first, *of_statics(assessment.statics), nut, curve, *changes) if line]
+    changes = [said("changes", assessment)] if assessment.vibration in ("vibrates", "jerks") else []
+    own = said("nut", assessment.draw.sheet), said("curve", of_curve(assessment.draw))
+    more = said("move", assessment.draw), said("ripple", assessment), *own
+    return [line for line in (first, *of_statics(assessment.statics), *more, *changes) if line]
 
 
 def of_statics(found: Statics) -> list[str]:
-    """Return what statics say: whether the load is held, torques and efficiency, limits that are exceeded."""
-    return [line for name in ("holding", "effort", "limits") if (line := said(name, found))]
+    """Return what statics say: whether the load is held, torques, efficiency, the motor, limits that are exceeded."""
+    return [line for name in ("holding", "effort", "motor", "limits") if (line := said(name, found))]
 
 
 def of_curve(draw: Draw) -> dict[str, Any] | None:
@@ -96,8 +100,8 @@ def drops(assessment: Assessment, row: Change) -> bool:
 def size_report(sheet: Sheet, result: dict[str, Any], solved: str = "") -> str:
     """Return the report on a sheet of statics, of which the JSON says ``result``; ``solved`` as of :func:`report`."""
     title, curve = f"{sheet.name}: what does it take?", said("curve", result["friction_curve"])
-    found = {"assessment": None, "sheet": sheet, "statics": statics(sheet), "sentence": result["sentence"]}
-    return _page("report.html.j2", title=title, curve=curve, solved=solved, **found)
+    found = {"assessment": None, "sheet": sheet, "statics": statics(sheet), "draw": Draw.of(sheet)}
+    return _page("report.html.j2", title=title, curve=curve, solved=solved, sentence=result["brief"][-1], **found)
 
 
 def report(assessment: Assessment, charts: list[Chart], solved: str = "") -> str:
@@ -123,9 +127,9 @@ def report(assessment: Assessment, charts: list[Chart], solved: str = "") -> str
         worst=worst.vibration,
         names=assessment.names,
         changes=[row for row in assessment.changes if row.factor]
-        if assessment.verdict == "jerks"
+        if assessment.vibration == "jerks"
         else [row for row in assessment.margins if row.is_near() and row.value],
-        oscillations=_oscillations(assessment) if sheet.motor is not None else [],
+        oscillations=_oscillations(assessment) if "motor" in sheet.parts else [],
         charts=charts,
         pictures=pictures,
         motions={"At the given values": nominal} if worst is nominal else motions,
@@ -146,16 +150,18 @@ def _oscillations(assessment: Assessment) -> list[str]:
     return found
 
 
-def entry_text(entry: object) -> str:
-    """Return what a sheet says of an entry."""
+def entry_text(path: str, entry: object) -> str:
+    """Return what a sheet says of an entry, by its name."""
     if isinstance(entry, Spread):
         kind = "anywhere in the range" if entry.kind == "uniform" else entry.kind
         return entry.text if kind == "value" else f"{entry.text} ({kind})"
+    if path == "motor.torque_curve" and isinstance(entry, tuple):
+        return "; ".join(f"{shown(torque, 'N m')} at {shown(speed, 'rad/s')}" for speed, torque in entry)
     if isinstance(entry, tuple):
         return "; ".join(f"{coefficient:g} at {shown(speed, 'm/s')}" for speed, coefficient in entry)
     if isinstance(entry, ThreadSize):
         return f"lead {shown(entry.lead, 'm')}, pitch diameter {shown(entry.pitch_diameter, 'm')}"
-    return str(entry)
+    return {True: "yes", False: "no"}[entry] if isinstance(entry, bool) else str(entry)
 
 
 def compare(verdicts: Sequence[Path], page_file: Path, json_file: Path) -> None:
@@ -165,7 +171,7 @@ def compare(verdicts: Sequence[Path], page_file: Path, json_file: Path) -> None:
     ``InputError`` in one sentence if a file is missing or damaged.
     """
     found = [{"report": f"{path.parent.name}/index.html", **_short(path)} for path in verdicts]
-    drives, sizes = ([one for one in found if (one["verdict"] is None) == still] for still in (False, True))
+    drives, sizes = ([one for one in found if (one["vibration"] is None) == still] for still in (False, True))
     found = sorted(drives, key=lambda one: (-one["probability"], one["reserve"])) + sizes
     names = {about.name: about.words for about in words.QUANTITIES.values()}
     page = _page("report_comparison.html.j2", title="Which drives vibrate?", drives=found, names=names)
@@ -178,11 +184,11 @@ def _short(path: Path) -> dict[str, Any]:
     try:
         verdict = json.loads(path.read_text(encoding="utf-8"))
         rows = {key: row for key, row in verdict["statics"].items() if key != "back_drives"}
-        about = {key: verdict[key] for key in ("name", "verdict", "self_locking", "efficiency")} | {
+        about = {key: verdict[key] for key in ("name", "verdict", "vibration", "self_locking", "efficiency")} | {
             "torque": rows.get("lifting_torque", {"worst": None})["worst"],
             "exceeded": [key for key, row in rows.items() if row["exceeded"] and key != "holding_friction"],
         }
-        if verdict["verdict"] is None:
+        if verdict["vibration"] is None:
             return about | dict.fromkeys(_OF_VIBRATION)
         name, one = min(verdict["mechanisms"].items(), key=lambda item: item[1]["reserve"])
         margins = verdict["any_mechanism"]["margin"].items()

@@ -154,23 +154,26 @@ class Nut(Part):
 
 
 class Coupling(Part):
-    """What joins motor and screw; with a gear the stiffness is that on the side of the motor."""
+    """What joins motor and screw; with a gear, which loses some torque, the stiffness is that beside the motor."""
 
     stiffness: fields.Torsion | None = None
     gear_ratio: fields.Ratio | None = None
+    gear_efficiency: fields.GearEfficiency | None = None
     inertia: fields.MoreInertia | None = None
     damping: fields.TurningDamping | None = None
 
 
 class Motor(Part):
-    """The motor before the coupling: its inertia, and what ties it to the commanded motion.
+    """The motor before the coupling: what it can give, its inertia, and what ties it to the commanded motion.
 
-    That are the gains of a PI controller of the speed, K_p and K_i, or the ``bandwidth`` ω / 2π of one that on a stiff
-    coupling is damped critically, K_p = ω (J + I) and K_i = K_p ω / 4 – assumed where nothing else is known –, or of a
-    stepper its ``holding_torque`` and full ``steps_per_turn``, whose torque falls by that times steps / 4 per radian.
+    The last are gains of a PI controller of the speed, K_p and K_i, or the ``bandwidth`` ω / 2π of one that on a
+    stiff coupling is damped critically, K_p = ω (J + I) and K_i = K_p ω / 4 – assumed where nothing else is known –, or
+    of a stepper its ``holding_torque`` and full ``steps_per_turn``, whose torque falls by that times steps / 4 per
+    radian. It gives its ``rated_torque`` for ever, its ``peak_torque`` for a while, and as long as a ramp takes what
+    its ``torque_curve`` has at each speed, straight between the points and nothing beyond the last.
     """
 
-    inertia: fields.Inertia
+    inertia: fields.Inertia | None = None
     speed_gain: fields.TurningDamping | None = None
     integral_gain: fields.Torsion | None = None
     bandwidth: fields.Bandwidth | None = None
@@ -178,13 +181,31 @@ class Motor(Part):
     steps_per_turn: Annotated[
         int, BeforeValidator(lambda value: whole_between("motor.steps_per_turn", value, 4, 10000))
     ] = 200
-    _needed = (("integral_gain", "bandwidth", "holding_torque"),)
+    rated_torque: fields.Holding | None = None
+    peak_torque: fields.Holding | None = None
+    torque_curve: fields.TorqueCurve | None = None
+    _needed = (("inertia", "rated_torque", "peak_torque", "holding_torque", "torque_curve"),)
     _either = (("integral_gain", "bandwidth", "holding_torque"), ("bandwidth", "holding_torque", "speed_gain"))
+
+    @property
+    def complies(self) -> bool:
+        """Whether it takes part in vibration: its inertia and what ties it to its command are given."""
+        return self.inertia is not None and any((self.integral_gain, self.bandwidth, self.holding_torque))
 
     def _misfit(self) -> str | None:
         if "steps_per_turn" in self.model_fields_set and self.holding_torque is None:
             return "motor.steps_per_turn is that of a stepper, which needs motor.holding_torque."
+        if self.speed_gain is not None and self.integral_gain is None:
+            return "motor.speed_gain needs motor.integral_gain, without which the motor falls ever further behind."
+        if self.inertia is None and (self.integral_gain or self.bandwidth):
+            return "motor.inertia is missing, which the control of the motor moves."
         return None
+
+
+class Brake(Part):
+    """A brake on the shaft of the motor, or of the screw where there is no gear: it holds the load without current."""
+
+    torque: fields.Holding
 
 
 class Load(Part):
@@ -202,11 +223,49 @@ class Load(Part):
         return None
 
 
+class Move(Part):
+    """A move of the load from rest to rest: its ``distance``, and two of ``time``, ``speed`` and ``acceleration_time``.
+
+    Each ramp takes the acceleration time. Of a triangle one of them is enough; where one is given of another profile,
+    it has thirds: ramp, even run, ramp. An s-curve has twice the mean acceleration in the middle of a ramp, and none at
+    its ends. A cycle is the move, ``back`` again if so, and a ``pause``, all of it together, in which the motor holds.
+    """
+
+    distance: fields.Length
+    time: fields.Duration | None = None
+    speed: fields.Speed | None = None
+    acceleration_time: fields.Duration | None = None
+    pause: fields.Pause | None = None
+    back: bool = False
+    profile: Literal["trapezoid", "triangle", "s-curve"] = "trapezoid"
+
+    def _misfit(self) -> str | None:
+        given = self.time or self.speed or self.acceleration_time
+        return None if given else "operation.move has none of time, speed, acceleration_time; give one or two of them."
+
+
 class Running(Part):
-    """How the drive is run: speeds of the screw or of the load, and the directions of travel."""
+    """How the drive is run: speeds of the screw or of the load, or a move, and the directions of travel."""
 
     speed: fields.Speed | None = None
+    acceleration: fields.Acceleration | None = None
+    move: Move | None = None
     direction: Literal["out", "back", "both"] = "both"
+
+    def _misfit(self) -> str | None:
+        if self.move is None:
+            return None
+        if self.speed or self.acceleration:
+            return "operation.move has a speed and ramps of its own; leave out operation.speed and acceleration."
+        if self.move.back and self.direction != "both":
+            return "operation.move goes back as well, so that operation.direction is both; leave one of them out."
+        return self.move.problem()
+
+    @property
+    def of_load(self) -> bool:
+        """Whether the speed is given as that of the load."""
+        given = self.speed if self.move is None else self.move.speed
+        return given.unit == "m/s" if given else self.move is not None
 
 
 class Friction(Part):
@@ -312,10 +371,13 @@ class Bearing(Part):
 
 
 class Guide(Part):
-    """What brakes the load on its way, whatever the force on the load: friction, at rest up to ``static``."""
+    """What brakes the load: friction, at rest up to ``static``, and a ``coefficient`` times the weight on the guide."""
 
-    friction: fields.Rubbing
+    friction: fields.Rubbing | None = None
+    coefficient: fields.Coefficient | None = None
     static: fields.Rubbing | None = None
+    _needed = (("friction", "coefficient"),)
+    _either = (("coefficient", "static"),)
 
     def _misfit(self) -> str | None:
         return _too_little("guide.friction", self.friction, self.static)
@@ -358,6 +420,7 @@ class Sheet(Part):
     damping: Dampings = Dampings()
     bearing: Bearing = Bearing()
     guide: Guide | None = None
+    brake: Brake | None = None
     nut: Nut | None = None
     contact: Spring | None = None
     support: Spring | None = None
@@ -396,10 +459,10 @@ class Sheet(Part):
             raise InputError(f"screw.root_diameter = {root.text} is not below the diameter of the thread.")
         if sheet.support is not None and sheet.screw.mass is None and sheet.screw.length is None:
             raise InputError("support needs screw.mass, or screw.length from which it follows.")
-        if sheet.coupling.damping is not None and sheet.motor is None:
-            raise InputError(
-                "coupling.damping needs motor, against which it acts; without one give damping.rotational."
-            )
+        if sheet.coupling.damping is not None and "motor" not in sheet.parts:
+            raise InputError("coupling.damping needs a motor with inertia and control; else give damping.rotational.")
+        if sheet.guide is not None and sheet.guide.coefficient is not None and sheet.load.mass is None:
+            raise InputError("guide.coefficient needs load.mass, whose weight presses on the guide.")
         if sheet.bearing.collar is not None and (sheet.contact or sheet.support):
             raise InputError(
                 "bearing.collar is not judged beside a support or contact that complies, with which the force on the "
@@ -428,7 +491,7 @@ class Sheet(Part):
             "the inertia or length of the screw": self.screw.inertia or self.screw.length,
             "coupling.stiffness": self.coupling.stiffness,
             "load.mass": self.load.mass,
-            "operation.speed": self.operation.speed,
+            "operation.speed": self.operation.speed or self.operation.move,
             "a diameter of the thread": None if self.thread.bare else self.thread,
         }
         missing = [name for name, value in given.items() if value is None]
@@ -440,7 +503,7 @@ class Sheet(Part):
     @property
     def runs(self) -> bool:
         """Whether it says how fast the drive runs."""
-        return self.operation.speed is not None
+        return self.operation.speed is not None or self.operation.move is not None
 
     @property
     def preloaded(self) -> bool:
@@ -470,8 +533,8 @@ class Sheet(Part):
     @property
     def parts(self) -> tuple[str, ...]:
         """The parts that comply in its motions."""
-        there = {"motor": self.motor, "support": self.support, "threads": self.contact}
-        return tuple(part for part, given in there.items() if given is not None)
+        there = {"motor": self.motor and self.motor.complies, "support": self.support, "threads": self.contact}
+        return tuple(part for part, given in there.items() if given)
 
     @property
     def stiff(self) -> bool:

@@ -6,21 +6,22 @@ entries and of the window, and the worst one: at the ends of the operating windo
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from lsvib.drives.mechanics import holding_coefficient, relieved_half, thread_force
+from lsvib.drives.mechanics import holding_coefficient, relieved_half
 from lsvib.errors import InputError
-from lsvib.sheets import window
+from lsvib.sheets import motor, window
 from lsvib.sheets.draw import Draw
 from lsvib.sheets.formulas import Values, flank_coefficient, sliding_speed
 from lsvib.sheets.materials import NUT_MATERIALS, SCREW_MATERIALS
+from lsvib.sheets.motor import Floats, Judged
 from lsvib.sheets.sheet import Sheet
 from lsvib.sheets.uncertainty import ends
-from lsvib.sheets.words import ABOUT
+from lsvib.sheets.words import ABOUT, VERDICTS, WEAK, percent, shown, size
 
 SAFE = 0.8  # share of a critical load or speed that may be used, as Thomson recommends
 ENDS = {  # of the shaft: end factor K of the column, and β of its first bending mode (Euler, Bernoulli)
@@ -29,9 +30,6 @@ ENDS = {  # of the shaft: end factor K of the column, and β of its first bendin
     "fixed-supported": (2.0, 3.9266),
     "fixed-fixed": (4.0, 4.7300),
 }
-
-Floats = NDArray[np.float64]
-Judged = tuple[Any, Any]  # values at many points and their limits, or None
 
 
 @dataclass(frozen=True)
@@ -55,39 +53,22 @@ class Statics:
     """All rows; ``back_drives``: whether the load can turn the screw when the current is off.
 
     False, ``at the middle values`` or ``within the uncertainties``; None if nothing pushes the load. ``falls``: whether
-    what pushes it may have the direction of its weight.
+    what pushes it may have the direction of its weight. ``verdict`` on motor and brake, a key of
+    :data:`lsvib.sheets.words.VERDICTS`, None if they are strong enough, and its ``sentence``; ``highest_speed``:
+    :func:`lsvib.sheets.motor.highest_speeds`.
     """
 
     rows: dict[str, Row]
     back_drives: str | bool | None
     falls: bool
+    verdict: str | None = None
+    sentence: str = ""
+    highest_speed: dict[str, dict[str, float]] = field(default_factory=dict)
 
     @property
     def limited(self) -> list[Row]:
         """The rows that have a limit, and a value that is held against it."""
         return [row for row in self.rows.values() if row.limit is not None and not math.isnan(row.worst)]
-
-
-def torque(
-    force: Any,
-    pitch_radius: Any,
-    lead_angle: Any,
-    coefficient: Any,
-    lifting: bool,
-    collar: Any = 0.0,
-    relieved: Any = 0.0,
-) -> Any:
-    """Return the torque of threads and collar [N m] under an axial ``force`` [N], r F (tan(ρ ± λ) + μ_b r_b / r).
-
-    ``coefficient`` μ of the square thread, ρ = arctan μ; ``lifting``: against the force; ``collar``, μ_b r_b / r.
-    Lowering, it is negative where the thread does not lock and has to be braked. ``relieved`` [N]: on the half of a
-    preloaded nut, :func:`lsvib.drives.mechanics.relieved_half`; it adds r F′ (tan(ρ + λ) + tan(ρ − λ)).
-
-    >>> round(torque(1000.0, 9.188e-3, 0.04328, 0.15, lifting=True), 3)
-    1.788
-    """
-    threads = thread_force(force, relieved, coefficient, np.tan(lead_angle), -1 if lifting else 1)
-    return pitch_radius * (threads + force * collar)
 
 
 def nut_pressure(force: Any, pitch_diameter: Any, length: Any, engaged_depth: Any = 0.5) -> Any:
@@ -149,16 +130,17 @@ def row_of(sheet: Sheet, key: str, side: str = "middle") -> Row | None:
 def statics(sheet: Sheet) -> Statics:
     """Return all rows for which a sheet has the entries, at the middle values and at the worst ones."""
     draw = Draw.of(sheet)
-    middle = _judged(draw, *_middle(_window(draw)))
-    surely_pushed = _pushed(draw).any()
+    middle = _judged(draw, *_middle(_window(draw))) | motor.in_motion(draw, middle=True)
+    nominal, surely_pushed = _everywhere(draw), _pushed(draw).any()
     draw = Draw.of(sheet, ends(sheet))
     if sheet.friction.curve and not np.all(draw.friction_at(draw.values["speed_high"])[0]):
         raise InputError(
             f"friction.curve ends at {sheet.friction.curve[-1][0]:g} m/s, and the law that fits it falls to zero "
             "before the fastest sliding of the threads; give points up to there."
         )
-    worst, unasked = _judged(draw, *_points(draw)), _unasked(sheet)
+    worst, unasked = _everywhere(draw), _unasked(sheet)
     rows = {key: _row(key, worst[key], middle.get(key)) for key in ABOUT if key in worst}
+    more = {**_weak(rows, nominal), "highest_speed": motor.highest_speeds(draw)}
     holding, pushed = rows["holding_friction"], _pushed(draw)
     falls = bool((pushed * draw.weight > 0).any())
     if not pushed.any():
@@ -166,11 +148,30 @@ def statics(sheet: Sheet) -> Statics:
     whirls = [replace(rows[key], middle=None, worst=math.nan) for key in rows.keys() & {"screw_speed"} & unasked]
     rows = {key: row for key, row in rows.items() if key not in unasked} | {row.key: row for row in whirls}
     if not pushed.any():
-        return Statics(rows, None, falls)
+        return Statics(rows, None, falls, **more)
     if not holding.exceeded:
-        return Statics(rows, False, falls)
+        return Statics(rows, False, falls, **more)
     surely = surely_pushed and _row(holding.key, middle[holding.key], None).exceeded
-    return Statics(rows, "at the middle values" if surely else "within the uncertainties", falls)
+    return Statics(rows, "at the middle values" if surely else "within the uncertainties", falls, **more)
+
+
+def _everywhere(draw: Draw) -> dict[str, Judged]:
+    """All quantities with their limits, over the window; the speed of a screw has none from a move."""
+    return motor.in_motion(draw) | _judged(draw, *_points(draw))
+
+
+def _weak(rows: dict[str, Row], nominal: dict[str, Judged]) -> dict[str, Any]:
+    """Verdict and sentence on motor and brake, of several rows on one that is exceeded at the ``nominal`` values."""
+    exceeded = [rows[key] for key in motor.LIMITED if key in rows and rows[key].exceeded]
+    surely = [row for row in exceeded if row.key in nominal and _row(row.key, nominal[row.key], None).exceeded]
+    for row in surely or exceeded:
+        verdict = f"{'brake' if row.key == 'brake_torque' else 'motor'} {'' if surely else 'may be '}too weak"
+        most, has = size(row.worst, "N m"), shown(row.limit, "N m")
+        more = f", {percent(row.worst / (row.limit or math.inf) - 1)} more than there is" if most == has else ""
+        has = WEAK["limit" if row.limit else "no limit"].format(has)
+        said = VERDICTS[verdict].format(what=WEAK[row.key], needed=most, given=has, more=more)
+        return {"verdict": verdict, "sentence": said}
+    return {}
 
 
 def _unasked(sheet: Sheet) -> set[str]:
@@ -243,23 +244,16 @@ def _judged(draw: Draw, speed: Floats, held: Floats, load: Floats) -> dict[str, 
             "lower friction or the lead of the thread."
         )
     found: dict[str, Judged] = {}
-    slow = flank_coefficient(draw.friction_at(0.0)[0], angle, values["half_angle"])
-    at_rest = values.get("static_friction_coefficient", slow)
+    at_rest, rest, standing = motor.at_rest(draw)
     bearing, guide = (values.get(key, 0.0) for key in ("bearing_friction", "slide_friction"))
-    still, standing = values.get("bearing_static_friction", bearing), values.get("slide_static_friction", guide)
-    rest, motion = (draw.square(at_rest), collar, still), (coefficient, collar, bearing)
+    motion, still = (coefficient, collar, bearing), rest[2]
     left, stuck = (np.clip(np.abs(held) - own, 0.0, None) for own in (guide, standing))  # what the guide does not hold
-    nut = entries.get("nut.preload", 0.0), entries.get("nut.load_share", 1.0)
-
-    def needed(force: Any, rubs: tuple[Any, Any, Any], lifting: bool) -> Any:
-        """The torque against or with a force, without damping, by the friction of threads, collar and bearing."""
-        return torque(force, radius, angle, rubs[0], lifting, rubs[1], relieved_half(force, *nut)) + rubs[2]
-
+    nut, needed = (entries.get("nut.preload", 0.0), entries.get("nut.load_share", 1.0)), partial(motor.needed, draw)
     drag, size = values["support_damping"] * speed, np.abs(load)
     against, along = (needed(size, motion, lifting) + drag for lifting in (True, False))
     against = np.where(turns, against, np.inf)
     # The dampings are guesses, on which no brake should count.
-    holding, braking = -needed(stuck, rest, False), -needed(left, motion, False)
+    holding, braking = motor.to_hold(draw, held), -needed(left, motion, False)
     for name, acting, effort in (
         ("holding", holding > 0, holding),
         ("starting", (held + standing > 0) & sheet.followed, needed(held + standing, rest, True)),
@@ -270,8 +264,7 @@ def _judged(draw: Draw, speed: Floats, held: Floats, load: Floats) -> dict[str, 
         for row, factor in ((f"{name}_torque", 1.0), (f"{name}_power", speed)):
             if row in ABOUT and acting.any() and (sheet.runs or row.endswith("_torque")):
                 found[row] = np.where(acting, effort * factor, np.nan), None
-    if "lifting_torque" in found and "coupling.gear_ratio" in entries:
-        found["motor_torque"] = found["lifting_torque"][0] / entries["coupling.gear_ratio"], None
+    found |= motor.judged(draw, speed, held)
     with np.errstate(divide="ignore", invalid="ignore"):
         useful = np.abs(held) * radius * np.tan(angle)  # per radian
         share = np.where(turns, useful / needed(held + guide, motion, True), 0.0)  # NaN where nothing rubs or moves
@@ -354,7 +347,9 @@ def _row(key: str, judged: Judged, middle: Judged | None, best: bool = False) ->
     if best and score.ndim:
         highest = np.where(np.isnan(score), -np.inf, score).reshape(-1, score.shape[-1]).max(axis=0)
         score = np.where(highest == np.min(highest[highest > -np.inf]), score, np.nan)
-    k = np.unravel_index(np.nanargmax(score), score.shape) if score.ndim else ()
+    # several are the worst where a motor gives nothing
+    ends = np.where(score == np.nanmax(score), -value if low else value, -np.inf)
+    k = np.unravel_index(np.argmax(ends), score.shape) if score.ndim else ()
     found, most = float(value[k]), None if limit is None else float(limits[k])
     exceeded = most is not None and (found < most if low else found > most)
     return Row(key, None if middle is None else _row(key, middle, None).worst, found, most, exceeded)

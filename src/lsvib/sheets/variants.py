@@ -88,7 +88,7 @@ def _said(result: Mapping[str, Any]) -> dict[str, Any]:
     rows = {key: row for key, row in result["statics"].items() if isinstance(row, Mapping)}
     back = result["statics"]["back_drives"]
     found = {key: result[key] for key in ("verdict", "sentence")} | {"back_drives": "no" if back is False else back}
-    if result["verdict"] is not None:
+    if result["vibration"] is not None:
         near, one = min(result["mechanisms"].items(), key=lambda item: item[1]["reserve"])
         found |= {"probability": result["any_mechanism"]["probability"], "mechanism": near, "reserve": one["reserve"]}
         found |= {"even_speed [m/s]": result["from_rest"]["even_load_speed"]}

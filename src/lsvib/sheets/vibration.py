@@ -40,7 +40,8 @@ class Vibration:
 
     ``parts``: what complies; ``attractor``: its name in words; for a cycle ``frequency`` [Hz], ``amplitude`` of the
     load [m] (half of peak to peak, about steady travel), ``load_speed`` lowest and highest [m/s], ``screw_speed``
-    likewise [rad/s], ``peak_contact_force`` between impacts [N], ``peak_impulse`` of an impact [N s] (0 without).
+    likewise [rad/s], ``peak_contact_force`` between impacts [N], ``peak_impulse`` of an impact [N s] (0 without),
+    ``motor_swing``: what the control of a motor adds to its steady torque at most, at the screw [N m] (0 without).
     ``scene``: names and values of a scene that shows it; ``time`` [s], ``deviation`` of the load [m]: samples (n) of
     the motion. ``reason``: why nothing is known, if so.
     """
@@ -53,6 +54,7 @@ class Vibration:
     screw_speed: tuple[float, float] | None = None
     peak_contact_force: float | None = None
     peak_impulse: float | None = None
+    motor_swing: float | None = None
     scene: dict[str, Any] = field(default_factory=dict)
     time: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
     deviation: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
@@ -156,7 +158,9 @@ def _of_cycle(drive: Drive, orbit: "Motion", row: NDArray[np.float64]) -> dict[s
     from lsvib.systems.attractor import orbit_extremes
 
     low, high = orbit_extremes(orbit, row)
-    impulses = np.abs(event_impulses(drive, orbit).normal)
+    impulses, states = np.abs(event_impulses(drive, orbit).normal), orbit.automaton.states
+    behind = np.zeros(len(states) + 1)
+    behind[[k for k, name in enumerate(states) if name == "motor_angle"]] = drive.integral_gain
     return {
         "frequency": 1 / orbit.end_time,
         "amplitude": 0.5 * (high - low),
@@ -164,6 +168,7 @@ def _of_cycle(drive: Drive, orbit: "Motion", row: NDArray[np.float64]) -> dict[s
         "screw_speed": _extremes(orbit, "screw_speed"),
         "peak_contact_force": max(map(abs, _extremes(orbit, "normal_force"))),
         "peak_impulse": float(impulses.max(initial=0.0)),
+        "motor_swing": max(map(abs, orbit_extremes(orbit, behind))) if behind.any() else 0.0,
     }
 
 

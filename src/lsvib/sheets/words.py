@@ -35,6 +35,9 @@ TOLERATED: dict[str, str] = _WORDS["tolerated"]
 VERDICTS: dict[str, str] = _WORDS["verdicts"]
 """The verdict in one sentence, by its name."""
 
+WEAK: dict[str, str] = _WORDS["weak"]
+"""What takes more than motor or brake have, by the row of statics."""
+
 QUANTITIES = {name: Quantity(*entry) for name, entry in _WORDS["quantities"].items()}
 """What the verdict depends on, by the names of a drive's parameters; coefficients of friction are of the flanks."""
 
