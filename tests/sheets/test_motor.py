@@ -45,7 +45,7 @@ LOW = np.array([6e-3, 0.2, 0.01, 0.1, 1, 0.01, 1e-6, 1e-6, 1, 0.6, 0.01, 0.5, 0.
 HIGH = np.array([0.03, 1, 0.2, 100, 1000, 0.3, 1e-4, 1e-4, 5, 1, 1, 5, 0.5, 3])
 SHEET = """{{name: drawn, thread: {{lead: {lead} m, pitch_diameter: {d} m}}, friction: {{coefficient: {mu}}},
 load: {{mass: {mass} kg, force: {force} N}}, guide: {{friction: {guide} N}}, screw: {{inertia: {J} kg*m^2}},
-coupling: {{gear_ratio: {i}, gear_efficiency: {eta}}}, motor: {{inertia: {Jm} kg*m^2, peak_torque: {limit} N*m}},
+coupling: {{gear_ratio: {i}}}, motor: {{inertia: {Jm} kg*m^2, peak_torque: {limit} N*m, gear_efficiency: {eta}}},
 operation: {{move: {{speed: {speed} m/s, distance: {distance} m, acceleration_time: {ramp} s, profile: {profile},
 back: true}}}}}}"""
 
@@ -67,8 +67,11 @@ def test_random_moves_take_what_an_integral_over_time_says(seed, tmp_path):
 
 @pytest.mark.parametrize("more", [{}, {"damping": {"rotational": "5e-3 N*m*s/rad"}}, {"load": {"force": "-200 N"}}])
 def test_up_to_the_highest_speed_the_curve_is_enough(more):
-    gear, load = {"gear_ratio": 1.5, "gear_efficiency": 0.9}, {"mass": ["12 kg", "15 kg"], "orientation": "vertical"}
-    motor = {"torque_curve": [["0 rpm", "0.5 N*m"], ["600 rpm", "0.4 N*m"], ["3000 rpm", "0.05 N*m"]]}
+    gear, load = {"gear_ratio": 1.5}, {"mass": ["12 kg", "15 kg"], "orientation": "vertical"}
+    motor = {
+        "gear_efficiency": 0.9,
+        "torque_curve": [["0 rpm", "0.5 N*m"], ["600 rpm", "0.4 N*m"], ["3000 rpm", "0.05 N*m"]],
+    }
     given = {"motor": motor, "coupling": gear, "load": {**load, "force": ["0 N", "50 N"]}, **more}
     for way, most in statics(sheet(**given)).highest_speed.items():
         for factor in (1 - 1e-4, 1 + 1e-4):
@@ -120,7 +123,7 @@ def test_a_guide_rubs_by_the_weight_on_it():
 
 @pytest.mark.parametrize(
     ("part", "entry", "unit", "row"),
-    [("motor", "inertia", "e-5 kg*m^2", "peak_torque"), ("coupling", "gear_efficiency", "0 %", "motor_torque"),
+    [("motor", "inertia", "e-5 kg*m^2", "peak_torque"), ("motor", "gear_efficiency", "0 %", "motor_torque"),
      ("guide", "coefficient", "0 %", "motor_torque"), ("move", "distance", "00 mm", "rms_torque"),
      ("move", "pause", " s", "rms_torque"), ("move", "speed", "0 mm/s", "load_speed"),
      ("move", "acceleration_time", "00 ms", "acceleration_torque"), ("brake", "torque", " N*m", "brake_torque")],

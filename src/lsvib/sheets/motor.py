@@ -61,7 +61,7 @@ def turning(draw: Draw, speed: Any, held: Any, acceleration: Any = 0.0, damped: 
 
 def before_gear(draw: Draw, torque: Any) -> Any:
     """Return the torque of the motor [N m] for one at the screw; losses of a gear help where the load drives it."""
-    ratio, share = draw.entries.get("coupling.gear_ratio", 1.0), draw.entries.get("coupling.gear_efficiency", 1.0)
+    ratio, share = draw.entries.get("coupling.gear_ratio", 1.0), draw.entries.get("motor.gear_efficiency", 1.0)
     return np.where(torque > 0, torque / (ratio * share), torque * share / ratio)
 
 
@@ -90,7 +90,7 @@ def judged(draw: Draw, speed: Floats, held: Floats) -> dict[str, Judged]:
     """Return the rows of motor and brake at points of the window, of steady running and of rest."""
     entries, found = draw.entries, dict[str, Judged]()
     top, standing = limit(draw, RUNNING, speed), limit(draw, STANDING, 0.0)
-    if top is not None or entries.keys() & {"coupling.gear_ratio", "coupling.gear_efficiency"}:
+    if top is not None or entries.keys() & {"coupling.gear_ratio", "motor.gear_efficiency"}:
         found["motor_torque"] = of_motor(draw, speed, held)[1], top
     _, rubs, guide = at_rest(draw)
     start, holding = held + guide, np.clip(-before_gear(draw, -to_hold(draw, held)), 0.0, None)

@@ -154,11 +154,10 @@ class Nut(Part):
 
 
 class Coupling(Part):
-    """What joins motor and screw; with a gear, which loses some torque, the stiffness is that beside the motor."""
+    """What joins motor and screw; with a gear the stiffness is that on the side of the motor."""
 
     stiffness: fields.Torsion | None = None
     gear_ratio: fields.Ratio | None = None
-    gear_efficiency: fields.GearEfficiency | None = None
     inertia: fields.MoreInertia | None = None
     damping: fields.TurningDamping | None = None
 
@@ -171,6 +170,7 @@ class Motor(Part):
     of a stepper its ``holding_torque`` and full ``steps_per_turn``, whose torque falls by that times steps / 4 per
     radian. It gives its ``rated_torque`` for ever, its ``peak_torque`` for a while, and as long as a ramp takes what
     its ``torque_curve`` has at each speed, straight between the points and nothing beyond the last.
+    A gear or belt behind it loses what its ``gear_efficiency`` leaves.
     """
 
     inertia: fields.Inertia | None = None
@@ -184,7 +184,8 @@ class Motor(Part):
     rated_torque: fields.Holding | None = None
     peak_torque: fields.Holding | None = None
     torque_curve: fields.TorqueCurve | None = None
-    _needed = (("inertia", "rated_torque", "peak_torque", "holding_torque", "torque_curve"),)
+    gear_efficiency: fields.GearEfficiency | None = None
+    _needed = (("inertia", "rated_torque", "peak_torque", "holding_torque", "torque_curve", "gear_efficiency"),)
     _either = (("integral_gain", "bandwidth", "holding_torque"), ("bandwidth", "holding_torque", "speed_gain"))
 
     @property
