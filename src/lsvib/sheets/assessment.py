@@ -7,11 +7,13 @@ from typing import Any
 
 from lsvib.errors import InputError
 from lsvib.sheets import vibration as motions
+from lsvib.sheets.catalogue import Purchase, purchases
 from lsvib.sheets.changes import ANY, Change, advice, margins
 from lsvib.sheets.draw import Draw
 from lsvib.sheets.from_rest import FromRest, Starter, from_rest
 from lsvib.sheets.move import Ripple, ripple
 from lsvib.sheets.operation import Operation
+from lsvib.sheets.resonances import Resonance, resonances
 from lsvib.sheets.sheet import Sheet
 from lsvib.sheets.statics import Statics, statics
 from lsvib.sheets.uncertainty import Uncertainty, ends, study
@@ -54,7 +56,7 @@ class Assessment:
     perturbation; ``margins``: those of all mechanisms together, nearest first; ``nominal``, ``worst``: the motion at
     the middle values and in the worst case, each where the reserve is lowest; ``from_rest``: what it does when it is
     switched on; ``ripple``: what a ramp leaves, if there is one; ``changes`` of one quantity that end vibration or
-    jerks, those that end all of it first.
+    jerks, those that end all of it first; ``purchases``.
     """
 
     draw: Draw
@@ -69,6 +71,7 @@ class Assessment:
     from_rest: FromRest
     ripple: Ripple | None = None
     changes: list[Change] = field(default_factory=list)
+    purchases: list[Purchase] = field(default_factory=list)
 
     @property
     def verdict(self) -> str:
@@ -97,6 +100,11 @@ class Assessment:
         if started.jerks is None or started.unknown or started.ends is None:
             return "start not known"
         return "steady without reserve" if without_reserve else "steady"
+
+    @cached_property
+    def resonances(self) -> list[Resonance]:
+        """The small oscillations at the middle values, where the reserve is lowest."""
+        return resonances(self.nominal.there)
 
     @property
     def sentence(self) -> str:
@@ -145,7 +153,8 @@ def assess(sheet: Sheet, samples: int = 4096, seed: int = 1) -> Assessment:
         jerks = AssessedMotion("from_rest", started.there, started.motion, (None, ""))
         found = replace(found, nominal=jerks, worst=jerks)
     if found.vibration in ("vibrates", "jerks"):
-        found = replace(found, changes=advice(draw, edges[ANY], found.vibration == "vibrates", starter))
+        asked = draw, edges[ANY], found.vibration == "vibrates", starter
+        found = replace(found, changes=advice(*asked), purchases=purchases(draw, starter))
     return found
 
 

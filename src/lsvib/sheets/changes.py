@@ -78,14 +78,14 @@ def applied(draw: Draw, row: Change) -> Draw:
     return draw.scaled(changeable(draw.values)[row.quantity], row.factor)
 
 
-def _absent_dampings(values: Values) -> dict[str, float]:
-    """Return the dampings that are zero, with the size of a critical one each, √(inertia × stiffness) [SI units]."""
+def damping_sizes(values: Values) -> dict[str, float]:
+    """Return the size of a critical damping of each kind, √(inertia × stiffness) [SI units]."""
     turning = float(np.sqrt(values["screw_inertia"] * values["coupling_stiffness"]))
     sizes = {"support_damping": turning, "translation_damping": turning * (2 * np.pi / values["lead"]) ** 2}
     for mass, stiffness, damping in (("mass", *PARTS["threads"]), PARTS["support"]):
         if stiffness in values:
             sizes[damping] = float(np.sqrt(values[stiffness] * values[mass]))
-    return {key: size for key, size in sizes.items() if values[key] == 0}
+    return sizes
 
 
 def _occurs(draw: Draw) -> dict[str, NDArray[Any]]:
@@ -122,7 +122,7 @@ def margins(draw: Draw) -> dict[str, list[Change]]:
             up = np.append(up[up < most], most)
         scans += [(name, keys, draw, factors) for factors in (up, 10.0**-steps)]
     up = np.concatenate([[0.0], 10.0 ** np.linspace(-6.0, 0.0, 6 * per_decade + 1)])
-    absent = _absent_dampings(draw.values)
+    absent = {key: size for key, size in damping_sizes(draw.values).items() if draw.values[key] == 0}
     scans += [(name, (name,), draw.changed(**{name: size}), up) for name, size in absent.items()]
     result: dict[str, dict[str, Change]] = {}
     edges: list[_Edge] = []
@@ -167,11 +167,12 @@ def advice(draw: Draw, edges: list[Change], vibrates: bool, starter: Starter) ->
     ``edges``: the changes at which steady running becomes stable, for a drive that ``vibrates``; others jerk from rest.
     For a drive that vibrates three that leave jerks follow.
     """
-    asker = _Asker(draw, starter)
-    near = {row.quantity: row for row in edges if vibrates}
+    asker = Asker(draw, starter)
+    near = {row.quantity: row for row in edges if vibrates and not draw.sheet.is_fixed(row.about.entry)}
     absent = [Change(name, None, _digits(row.value)) for name, row in near.items() if row.factor is None and row.value]
     found, ended = [replace(one, left=asker.left(applied(draw, one))) for one in absent], set()
-    sides = [(name, side) for name in changeable(draw.values) for side in _sides(draw, name, near.get(name))]
+    free = [name for name in changeable(draw.values) if not draw.sheet.is_fixed(QUANTITIES[name].entry)]
+    sides = [(name, side) for name in free for side in _sides(draw, name, near.get(name))]
     steps = [(name, side[0] > 1, *step) for name, side in sides for step in pairwise([1.0, *side])]
     for name, larger, before, factor in sorted(steps, key=lambda step: _size(step[3])):
         sizes = sorted(_size(one.factor) for one in found if one.factor and not one.left)
@@ -186,10 +187,10 @@ def advice(draw: Draw, edges: list[Change], vibrates: bool, starter: Starter) ->
         best.setdefault(one.quantity, one)
     whole, part = ([one for one in best.values() if bool(one.left) == some] for some in (False, True))
     ends = [*[one for one in whole if one.factor][:3], *(one for one in whole if one.factor is None)]
-    return [*(replace(one, left=_knocked(applied(draw, one))) for one in ends), *(part[:3] if vibrates else ())]
+    return [*(replace(one, left=knocked(applied(draw, one))) for one in ends), *(part[:3] if vibrates else ())]
 
 
-def _knocked(draw: Draw) -> str:
+def knocked(draw: Draw) -> str:
     """What a strong knock leaves of vibration, as of :class:`Change`."""
     if draw.sheet.closed:
         return "knock" if OperatingWindow(draw).most_perturbed[0] else ""
@@ -219,7 +220,7 @@ def _sides(draw: Draw, name: str, edge: Change | None) -> list[list[float]]:
     return sides
 
 
-def _between(asker: "_Asker", name: str, before: float, factor: float, most: float) -> Change | None:
+def _between(asker: "Asker", name: str, before: float, factor: float, most: float) -> Change | None:
     """The smallest change up to a factor, from another one on that does not, that ends all, or makes it stable alone.
 
     Those above the size ``most`` are not looked for.
@@ -259,11 +260,12 @@ def _digits(size: float, towards: Callable[[float], int] = math.ceil) -> float:
     return float(f"{towards(size / step * (1 - 1e-9)) * step:.2g}")
 
 
-class _Asker:
+class Asker:
     """Asks of changed drives what the verdict asks of the drive but for knocks, first at the point that failed last."""
 
     def __init__(self, draw: Draw, starter: Starter) -> None:
         self.draw, self.starter, self.level, self.failed = draw, starter, _level(draw), 0
+        self.started = 0  # how many drives were
 
     def left(self, own: Draw) -> str:
         """What is left of vibration, as of :class:`Change`, or ``vibrates``."""
@@ -273,6 +275,7 @@ class _Asker:
             return "vibrates"
         points = _points(own)
         sure = own.sheet.stiff and not own.sheet.followed and min(reserves.values()) > 0  # then slip shrinks areas
+        self.started += not sure
         for k in [] if sure else sorted(range(len(points)), key=lambda k: k != self.failed):
             if (even := self.starter.evenly(points[k])) is not True:
                 self.failed = k

@@ -25,25 +25,16 @@ from lsvib.sheets.formulas import (
 from lsvib.sheets.materials import SCREW_MATERIALS
 from lsvib.sheets.move import Course, course
 from lsvib.sheets.sheet import Motor, Sheet
+from lsvib.sheets.words import QUANTITIES
 
 PAIRS = {"force": ("force_low", "force_high"), "speed": ("speed_low", "speed_high")}
 """Quantities of the window, which are changed together."""
 
-_ABSENT = {  # entries that are quantities as they are, absent where the sheet does not give them
-    "bearing_friction": "bearing.torque",
-    "bearing_static_friction": "bearing.static",
-    "collar_friction": "bearing.collar.coefficient",
-    "collar_diameter": "bearing.collar.mean_diameter",
-    "slide_friction": "guide.friction",
-    "slide_static_friction": "guide.static",
-    "stribeck_rise": "friction.stribeck_rise",
-    "stribeck_speed": "friction.stribeck_speed",
-    "static_friction_coefficient": "friction.static",
-    "contact_stiffness": "contact.stiffness",
-    "contact_damping": "contact.damping",
-    "support_stiffness": "support.stiffness",
-    "axial_support_damping": "support.damping",
-}
+_ABSENT = (  # quantities that are entries as they are, absent where the sheet does not give them
+    *("bearing_friction", "bearing_static_friction", "collar_friction", "collar_diameter", "slide_friction"),
+    *("slide_static_friction", "stribeck_rise", "stribeck_speed", "static_friction_coefficient"),
+    *("contact_stiffness", "contact_damping", "support_stiffness", "axial_support_damping"),
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -200,7 +191,7 @@ def _quantities(sheet: Sheet, entries: Values) -> dict[str, Any]:
     }
     undamped = {f"{part}.damping": 0.0 for part in ("contact", "support") if f"{part}.stiffness" in entries}
     given = {**undamped, **entries}
-    found |= {key: given[path] for key, path in _ABSENT.items() if path in given}
+    found |= {key: given[path] for key in _ABSENT if (path := QUANTITIES[key].entry) in given}
     if "guide.coefficient" in entries:
         pressed = entries["guide.coefficient"] * found["mass"] * GRAVITY * np.cos(found["tilt"])
         found["slide_friction"] = found.get("slide_friction", 0.0) + pressed

@@ -175,6 +175,8 @@ class Spread:
         part of it. Raises ``NotQuantity``.
         """
         check = partial(_check, allowed=allowed, above=above)
+        if isinstance(value, cls):
+            return value
         if isinstance(value, list):
             if len(value) != 2:
                 raise NotQuantity(f"= {shown(value)} is not a range of two quantities, such as [a, b]")

@@ -109,6 +109,7 @@ def _of_statics(sheet: Sheet) -> dict[str, Any]:
         "brief": [line for line in (found.sentence, *of_statics(found), *more, sentence) if line],
         "statics": _statics_json(found),
         "motor": {"highest_speed": found.highest_speed},
+        "worst_torque": found.parts,
         "friction_curve": curve,
         "pairings": sheet.pairings,
         "self_locking": lowering <= 0,
@@ -130,6 +131,7 @@ def as_json(assessment: Assessment) -> dict[str, Any]:
         "statics": _statics_json(assessment.statics),
         "motor": {"highest_speed": assessment.statics.highest_speed},
         "ripple": assessment.ripple and vars(assessment.ripple),
+        "worst_torque": assessment.statics.parts,
         "friction_curve": of_curve(assessment.draw),
         "pairings": assessment.draw.sheet.pairings,
         "self_locking": assessment.efficiency["lowering"] is None,
@@ -165,6 +167,11 @@ def as_json(assessment: Assessment) -> dict[str, Any]:
             row.about.name: {"factor": row.factor, "value": row.value, "unit": row.about.unit, "left": row.left or None}
             for row in assessment.changes
         },
+        "purchases": [
+            {"words": said("purchase", assessment, x), "left": x.left or None, "steps": [y._asdict() for y in x.steps]}
+            for x in assessment.purchases
+        ],
+        "resonances": [one._asdict() for one in assessment.resonances],
         "nominal": _motion_json(assessment.nominal),
         "worst_case": _motion_json(assessment.worst),
         "assumptions": dict(assessment.draw.sheet.assumptions),

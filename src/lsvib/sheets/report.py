@@ -6,6 +6,7 @@ What is said stands in the templates beside this file.
 import json
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from types import SimpleNamespace
@@ -19,6 +20,7 @@ from lsvib.errors import InputError
 from lsvib.files import write_json, write_text
 from lsvib.sheets import words
 from lsvib.sheets.assessment import Assessment
+from lsvib.sheets.catalogue import STEPS, Purchase
 from lsvib.sheets.changes import Change, applied
 from lsvib.sheets.chart import Chart
 from lsvib.sheets.draw import Draw
@@ -28,11 +30,11 @@ from lsvib.sheets.from_rest import BEYOND
 from lsvib.sheets.materials import NUT_MATERIALS
 from lsvib.sheets.motor import LIMITED
 from lsvib.sheets.move import SETTLED
+from lsvib.sheets.resonances import modes
 from lsvib.sheets.sheet import Sheet
 from lsvib.sheets.statics import Statics, lets_go, statics
 from lsvib.sheets.threads import ThreadSize
 from lsvib.sheets.words import shown
-from lsvib.stability.conditions import stability
 
 EFFORTS = {"lifting": "against the load", "lowering": "with the load", "braking": "to brake, where the load turns it"}
 """What torques are for, the most demanding first."""
@@ -46,7 +48,7 @@ def _templates(html: bool) -> Environment:
     found = words.environment(html)
     found.globals |= vars(words) | {"EFFORTS": EFFORTS, "BEYOND": BEYOND, "POOR": POOR, "drops": drops, "inf": math.inf}
     found.globals |= {"said": said, "entry_text": entry_text, "NUT_MATERIALS": NUT_MATERIALS}
-    found.globals |= {"LIMITED": LIMITED, "SETTLED": SETTLED}
+    found.globals |= {"LIMITED": LIMITED, "SETTLED": SETTLED, "STEPS": STEPS}
     return found
 
 
@@ -65,7 +67,8 @@ def brief(assessment: Assessment) -> list[str]:
     known = 0 < (assessment.from_rest.even_speed or 0.0) < math.inf
     told = assessment.vibration not in ("vibrates", "steady without reserve") or known
     first = f"{assessment.sentence} {said('from_rest', assessment.from_rest) if told else ''}".strip()
-    changes = [said("changes", assessment)] if assessment.vibration in ("vibrates", "jerks") else []
+    advised = ("changes", "purchases") if assessment.vibration in ("vibrates", "jerks") else ()
+    changes = [said(name, assessment) for name in ("stepper", *advised)]
     own = said("nut", assessment.draw.sheet), said("curve", of_curve(assessment.draw))
     more = said("move", assessment.draw), said("ripple", assessment), *own
     return [line for line in (first, *of_statics(assessment.statics), *more, *changes) if line]
@@ -73,7 +76,7 @@ def brief(assessment: Assessment) -> list[str]:
 
 def of_statics(found: Statics) -> list[str]:
     """Return what statics say: whether the load is held, torques, efficiency, the motor, limits that are exceeded."""
-    return [line for name in ("holding", "effort", "motor", "limits") if (line := said(name, found))]
+    return [line for name in ("holding", "effort", "guesses", "motor", "limits") if (line := said(name, found))]
 
 
 def of_curve(draw: Draw) -> dict[str, Any] | None:
@@ -92,9 +95,9 @@ def of_curve(draw: Draw) -> dict[str, Any] | None:
     return {"law": law, "off": float(off.max()), "at": float(speeds[off.argmax()]), **ends}
 
 
-def drops(assessment: Assessment, row: Change) -> bool:
-    """Whether the load drops, once the current is off, with a change of one quantity."""
-    return lets_go(assessment.draw, applied(assessment.draw, row))
+def drops(assessment: Assessment, row: Change | Purchase) -> bool:
+    """Whether the load drops, once the current is off, with a change of one quantity, or with what is bought."""
+    return lets_go(assessment.draw, applied(assessment.draw, row) if isinstance(row, Change) else row.draw)
 
 
 def size_report(sheet: Sheet, result: dict[str, Any], solved: str = "") -> str:
@@ -129,25 +132,11 @@ def report(assessment: Assessment, charts: list[Chart], solved: str = "") -> str
         changes=[row for row in assessment.changes if row.factor]
         if assessment.vibration == "jerks"
         else [row for row in assessment.margins if row.is_near() and row.value],
-        oscillations=_oscillations(assessment) if "motor" in sheet.parts else [],
+        uncontrolled=modes(replace(nominal.there, draw=nominal.there.draw.changed(speed_gain=0.0))),
         charts=charts,
         pictures=pictures,
         motions={"At the given values": nominal} if worst is nominal else motions,
     )
-
-
-def _oscillations(assessment: Assessment) -> list[str]:
-    """Frequencies with damping ratios of small oscillations, with the motor's control and without its damping."""
-    drive, found = assessment.nominal.there.drive, []
-    for gain in (drive.speed_gain, 0.0):
-        try:
-            roots = stability(drive.replace(speed_gain=gain)).eigenvalues
-        except InputError:  # the contact carries no force
-            return []
-        pairs = sorted((root for root in roots if root.imag > 0), key=abs)
-        ratios = ((abs(z), 0.0 - z.real / abs(z)) for z in pairs)
-        found.append(", ".join(f"{shown(w / (2 * math.pi), 'Hz')} (ζ = {shown(zeta, '')})" for w, zeta in ratios))
-    return found
 
 
 def entry_text(path: str, entry: object) -> str:

@@ -19,7 +19,10 @@ from lsvib.sheets.fields import NotQuantity, Spread
 from lsvib.sheets.materials import NUT_MATERIALS, SCREW_MATERIALS, common_name, pairings
 from lsvib.sheets.threads import Size
 from lsvib.sheets.torque.law import law_of_curve
+from lsvib.sheets.words import QUANTITIES
 
+_OF_QUANTITIES = {path for one in QUANTITIES.values() for path in (one.entry, one.entry.split(".")[0])}
+_ABOUT = ("sources", "assumptions", "fixed")
 _Material = Annotated[str, BeforeValidator(common_name)]
 
 
@@ -406,6 +409,7 @@ _OF_SPEED = "friction.curve friction.stribeck_rise damping.rotational damping.tr
 class Sheet(Part):
     """A whole data sheet. ``sources`` and ``assumptions`` say of an entry, such as load.mass, where it comes from.
 
+    ``fixed``: parts and entries that no advice changes; one from which several quantities follow fixes its whole part.
     Without one of the mass that is moved, the screw's inertia, the coupling's stiffness, a speed and a diameter it is
     one of statics.
     """
@@ -427,6 +431,7 @@ class Sheet(Part):
     support: Spring | None = None
     sources: dict[str, str] = Field(default_factory=dict)
     assumptions: dict[str, str] = Field(default_factory=dict)
+    fixed: tuple[str, ...] = ()
 
     @classmethod
     def of(cls, values: Mapping[str, Any]) -> Self:
@@ -473,12 +478,34 @@ class Sheet(Part):
             for path in getattr(sheet, table):
                 if path not in sheet.paths():
                     raise InputError(f"{table} speaks of {shown(path)}, which the sheet does not give.")
+        if unknown := set(sheet.fixed) - sheet.paths() - _OF_QUANTITIES:
+            raise InputError(f"fixed speaks of {shown(min(unknown))}, which is no entry of the sheet.")
         return sheet
+
+    def is_fixed(self, entry: str) -> bool:
+        """Whether the sheet says that an entry, one of a quantity, cannot change."""
+        paths = (path if path in _OF_QUANTITIES else path.split(".")[0] for path in self.fixed)
+        return any(f"{entry}.".startswith(f"{path}.") for path in paths)
 
     @classmethod
     def read(cls, path: str | Path) -> Self:
         """Read a sheet from a YAML file, whose name it has unless it says another; raises ``InputError``."""
         return cls.of({"name": Path(path).stem, **read_yaml(path)})
+
+    def assumption(self, path: str) -> str | None:
+        """Return by which name a given entry is a guess: its own or, without a source of its own, that of its part."""
+        names = [path] if path in self.sources else [path, path.split(".")[0]]
+        return next((name for name in names if name in self.assumptions and path in self.paths()), None)
+
+    def with_entries(self, entries: Mapping[str, Any]) -> Self:
+        """Return the sheet with other entries, such as coupling.stiffness; a new thread or friction is all new."""
+        parts: dict[str, Any] = {key: getattr(self, key) for key in self.model_fields_set if key not in _ABOUT}
+        for name in {path.split(".")[0] for path in entries}:
+            own = {path.split(".")[1]: one for path, one in entries.items() if path.split(".")[0] == name}
+            old, new = getattr(self, name), own.keys() & {"size", "coefficient", "pairing"}
+            kept = set() if new else old.model_fields_set - {"pairing", "curve"}  # for which a law stands
+            parts[name] = {key: getattr(old, key) for key in kept} | own
+        return self.of(parts)
 
     def paths(self) -> set[str]:
         """Return the names of the entries that are given, and of the parts."""

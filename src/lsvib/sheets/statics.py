@@ -16,12 +16,12 @@ from lsvib.drives.mechanics import holding_coefficient, relieved_half
 from lsvib.errors import InputError
 from lsvib.sheets import motor, window
 from lsvib.sheets.draw import Draw
-from lsvib.sheets.formulas import Values, flank_coefficient, sliding_speed
+from lsvib.sheets.formulas import Values, flank_coefficient, sliding_speed, torque
 from lsvib.sheets.materials import NUT_MATERIALS, SCREW_MATERIALS
 from lsvib.sheets.motor import Floats, Judged
 from lsvib.sheets.sheet import Sheet
 from lsvib.sheets.uncertainty import ends
-from lsvib.sheets.words import ABOUT, VERDICTS, WEAK, percent, shown, size
+from lsvib.sheets.words import ABOUT, TORQUE_PARTS, VERDICTS, WEAK, percent, shown, size
 
 SAFE = 0.8  # share of a critical load or speed that may be used, as Thomson recommends
 ENDS = {  # of the shaft: end factor K of the column, and β of its first bending mode (Euler, Bernoulli)
@@ -55,7 +55,8 @@ class Statics:
     False, ``at the middle values`` or ``within the uncertainties``; None if nothing pushes the load. ``falls``: whether
     what pushes it may have the direction of its weight. ``verdict`` on motor and brake, a key of
     :data:`lsvib.sheets.words.VERDICTS`, None if they are strong enough, and its ``sentence``; ``highest_speed``:
-    :func:`lsvib.sheets.motor.highest_speeds`.
+    :func:`lsvib.sheets.motor.highest_speeds`. ``parts``: of the worst torque against the load, by
+    :data:`lsvib.sheets.words.TORQUE_PARTS`, ``torque`` [N m], ``share`` [1], and ``guess``, the name of one behind it.
     """
 
     rows: dict[str, Row]
@@ -64,6 +65,7 @@ class Statics:
     verdict: str | None = None
     sentence: str = ""
     highest_speed: dict[str, dict[str, float]] = field(default_factory=dict)
+    parts: dict[str, dict[str, Any]] = field(default_factory=dict)
 
     @property
     def limited(self) -> list[Row]:
@@ -140,7 +142,8 @@ def statics(sheet: Sheet) -> Statics:
         )
     worst, unasked = _everywhere(draw), _unasked(sheet)
     rows = {key: _row(key, worst[key], middle.get(key)) for key in ABOUT if key in worst}
-    more = {**_weak(rows, nominal), "highest_speed": motor.highest_speeds(draw)}
+    parts = _parts(draw, worst["lifting_torque"][0], *_points(draw)) if "lifting_torque" in worst else {}
+    more = {**_weak(rows, nominal), "highest_speed": motor.highest_speeds(draw), "parts": parts}
     holding, pushed = rows["holding_friction"], _pushed(draw)
     falls = bool((pushed * draw.weight > 0).any())
     if not pushed.any():
@@ -180,11 +183,38 @@ def _unasked(sheet: Sheet) -> set[str]:
     return (set() if sheet.runs else still) | (flat if sheet.thread.bare else set())
 
 
+def _parts(draw: Draw, whole: Floats, speed: Floats, held: Floats, load: Floats) -> dict[str, dict[str, Any]]:
+    """The parts of the largest torque of a table (k, n); none where it jams."""
+    worst, at = float(np.nanmax(whole)), int(np.nanargmax(whole))
+    force, guide, preload = np.abs(load), draw.values.get("slide_friction", 0.0), draw.entries.get("nut.preload", 0.0)
+    thread = draw.pitch_radius, draw.lead_angle, draw.friction_at(speed)[0], True
+    each, relieved = torque(1.0, *thread), relieved_half(force, preload, draw.entries.get("nut.load_share", 1.0))
+    rest = {"bearing": draw.values.get("bearing_friction", 0.0), "damping": draw.values["support_damping"] * speed}
+    found = rest | {"threads": each * held, "guide": each * guide, "drag": each * (load - held - guide)}
+    found["collar"] = draw.pitch_radius * draw.collar * force
+    found["preload"] = torque(force, *thread, relieved=relieved) - each * force
+    sizes = {name: float(np.broadcast_to(part, whole.shape).flat[at]) for name, part in found.items()}
+    shares: dict[str, dict[str, Any]] = {}
+    for name in sorted(filter(sizes.get, sizes), key=lambda name: -abs(sizes[name])) if worst < math.inf else ():
+        guesses = filter(None, map(draw.sheet.assumption, TORQUE_PARTS[name]["entries"]))
+        shares[name] = {"torque": sizes[name], "share": sizes[name] / worst, "guess": next(guesses, None)}
+    return shares
+
+
 def lets_go(draw: Draw, changed: Draw) -> bool:
     """Whether a drive that holds its load at rest no longer does with ``changed`` quantities."""
-    key, both = "holding_friction", (draw, changed)
-    slips = [_pushed(own).any() and _row(key, _judged(own, *_points(own))[key], None).exceeded for own in both]
-    return bool(slips[1] and not slips[0])
+    return "holding_friction" in worsened(draw, changed)
+
+
+def worsened(draw: Draw, changed: Draw) -> set[str]:
+    """Return the rows whose limit a drive keeps, but a ``changed`` one does not."""
+
+    def over(own: Draw) -> set[str]:
+        """The rows beyond their limits."""
+        rows = (_row(key, one, None) for key, one in _everywhere(own).items() if one[1] is not None)
+        return {row.key for row in rows if row.exceeded and (row.key != "holding_friction" or _pushed(own).any())}
+
+    return over(changed) - over(draw)
 
 
 def _pushed(draw: Draw) -> Floats:
@@ -270,6 +300,7 @@ def _judged(draw: Draw, speed: Floats, held: Floats, load: Floats) -> dict[str, 
         share = np.where(turns, useful / needed(held + guide, motion, True), 0.0)  # NaN where nothing rubs or moves
         driving = np.where((left > 0) | ~turns, braking, -needed(guide - np.abs(held), motion, True)) / useful
     if (held > 0).any():
+        found["load"] = np.where(held > 0, held, np.nan), None
         found["lifting_efficiency"] = np.where(held >= 0, share, np.nan), None
     if held.any():
         found["lowering_efficiency"] = np.where(held != 0, driving, np.nan), None

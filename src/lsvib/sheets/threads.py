@@ -2,9 +2,9 @@
 
 import math
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from typing import Annotated
 
@@ -35,14 +35,16 @@ _TOLERANCE = re.compile(r"(?<=[\dL)])[ -]+\d[A-Za-z](?:/\d[A-Za-z])?$")  # 7e, 6
 class ThreadSize:
     """A thread: ``lead`` and ``pitch_diameter`` [m], ``half_angle`` of a flank in an axial section [rad].
 
-    ``root_diameter`` of the screw [m]; ``engaged_depth`` of screw and nut over the pitch [1].
+    ``root_diameter``, ``nominal_diameter`` of the screw [m]; ``engaged_depth`` over the pitch [1]; ``name`` as written.
     """
 
     lead: float
     pitch_diameter: float
     half_angle: float
     root_diameter: float
+    nominal_diameter: float
     engaged_depth: float = 0.5
+    name: str = field(default="", compare=False)
 
 
 def thread_size(name: object) -> ThreadSize:
@@ -59,7 +61,7 @@ def thread_size(name: object) -> ThreadSize:
     for pattern, made in forms:
         if match := pattern.fullmatch(text):
             try:
-                return made(*match.groups())
+                return replace(made(*match.groups()), name=str(name))
             except NotQuantity as error:
                 raise NotQuantity(f"= {shown(name)} {error}") from None
     if match := _BALL.fullmatch(text):
@@ -71,6 +73,19 @@ def thread_size(name: object) -> ThreadSize:
         f"= {shown(name)} is not the name of a thread, such as Tr 10x2, Tr 8x8 P2, Acme 1/2-10, M20x2.5, or of an Acme "
         "thread with pitch and lead in inches, Acme 3/8-0.1P-0.5L"
     )
+
+
+@cache
+def catalogue(half_angle: float) -> list[ThreadSize]:
+    """Return threads that are made with flanks of a half angle [rad], Tr if none has it; of up to 4 starts."""
+    names = [f"M{d:g}x{pitch:g}" for d, pitches in _TABLES["metric"].items() for pitch in pitches]
+    if math.isclose(half_angle, math.radians(14.5)):
+        pairs = [(d, n, n / threads, 1 / threads) for d, threads in _TABLES["acme"].items() for n in (1, 2, 4)]
+        names = [f"Acme {d}-{p:.6g}P-{lead:.6g}L" for d, n, lead, p in pairs if n == 1 or lead <= _inches(d)]
+    elif not math.isclose(half_angle, math.radians(30)):
+        pairs = [(d, n, n * p, p) for d, own in _TABLES["trapezoidal"].items() for p in own for n in (1, 2, 3, 4)]
+        names = [f"Tr {d:g}x{lead:g}" + f" P{p:g}" * (n > 1) for d, n, lead, p in pairs if n == 1 or lead <= d]
+    return [thread_size(name) for name in names]
 
 
 def _trapezoidal(size: str, named: str | None, own: str | None, count: str | None) -> ThreadSize:
@@ -99,7 +114,7 @@ def _trapezoidal(size: str, named: str | None, own: str | None, count: str | Non
     _check(diameter, pitch, lead, "mm")
     clearance = 0.15 if pitch < 2 else 0.25 if pitch < 6 else 0.5 if pitch < 14 else 1.0
     root = (diameter - pitch - 2 * clearance) * 1e-3
-    return ThreadSize(lead * 1e-3, (diameter - 0.5 * pitch) * 1e-3, math.radians(15), root)
+    return ThreadSize(lead * 1e-3, (diameter - 0.5 * pitch) * 1e-3, math.radians(15), root, diameter * 1e-3)
 
 
 def _of_inches(series: set[str], size: str, threads: str, starts: str | None) -> ThreadSize:
@@ -122,7 +137,7 @@ def _acme(size: str, own: str, named: str) -> ThreadSize:
     diameter, pitch, lead = _inches(size), float(own), float(named)
     _check(diameter, pitch, lead, "inch")
     root = (diameter - pitch - (0.02 if pitch >= 0.1 else 0.01)) * 0.0254
-    return ThreadSize(0.0254 * lead, (diameter - 0.5 * pitch) * 0.0254, math.radians(14.5), root)
+    return ThreadSize(0.0254 * lead, (diameter - 0.5 * pitch) * 0.0254, math.radians(14.5), root, 0.0254 * diameter)
 
 
 def _check(diameter: float, pitch: float, lead: float, unit: str) -> None:
@@ -142,8 +157,8 @@ def _metric(size: str, named: str | None) -> ThreadSize:
 
 def _sixty_degrees(diameter: float, pitch: float) -> ThreadSize:
     height = math.sqrt(3) / 2 * pitch  # of the fundamental triangle
-    diameters = [1e-3 * (diameter - share * height) for share in (3 / 4, 17 / 12)]
-    return ThreadSize(pitch * 1e-3, diameters[0], math.radians(30), diameters[1], 5 / 8 * height / pitch)
+    middle, root, nominal = (1e-3 * (diameter - share * height) for share in (3 / 4, 17 / 12, 0))
+    return ThreadSize(pitch * 1e-3, middle, math.radians(30), root, nominal, 5 / 8 * height / pitch)
 
 
 def _inches(text: str) -> float:

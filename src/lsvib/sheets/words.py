@@ -16,11 +16,12 @@ _WORDS: dict[str, Any] = yaml.safe_load(Path(__file__).with_name("words.yaml").r
 
 
 class Quantity(NamedTuple):
-    """What the verdict depends on: its name in files, in words, and its unit."""
+    """What the verdict depends on: its name in files, in words, its unit, and the entry of the sheet."""
 
     name: str
     words: str
     unit: str
+    entry: str
 
 
 MECHANISMS = {name: (entry["name"], entry["meaning"]) for name, entry in _WORDS["mechanisms"].items()}
@@ -44,6 +45,9 @@ QUANTITIES = {name: Quantity(*entry) for name, entry in _WORDS["quantities"].ite
 ABOUT: dict[str, dict[str, str]] = _WORDS["statics"]
 """``name``, ``unit``, ``formula`` and ``source`` of each row of statics."""
 
+TORQUE_PARTS, BUY = (dict[str, dict[str, Any]](_WORDS[name]) for name in ("torque_parts", "buy"))
+"""What the worst torque is made of, and what can be bought: ``words``, and what words.yaml says besides."""
+
 
 def environment(html: bool = False) -> Environment:
     """Return what renders the templates beside this file, of which pages escape their texts."""
@@ -55,7 +59,7 @@ def environment(html: bool = False) -> Environment:
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    found.filters |= {"fmt": format, "short": short, "yaml": partial(yaml.safe_dump, sort_keys=False)}
+    found.filters |= {"fmt": format, "short": short, "shown": shown, "yaml": partial(yaml.safe_dump, sort_keys=False)}
     return found
 
 

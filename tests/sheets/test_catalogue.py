@@ -1,0 +1,86 @@
+"""What can be bought against vibration, applied as one types it; resonances; what the worst torque is made of."""
+
+import math
+
+import pytest
+from references.random_sheets import CHAPTER
+
+from benchmarks.sheets.own_sheets import OwnSheet
+from lsvib.errors import InputError
+from lsvib.sheets.assessment import assess
+from lsvib.sheets.draw import Draw
+from lsvib.sheets.output import as_json
+from lsvib.sheets.report import said
+from lsvib.sheets.resonances import modes
+from lsvib.sheets.sheet import Sheet
+from lsvib.sheets.statics import statics
+from lsvib.sheets.window import OperatingWindow
+from lsvib.stability.conditions import stability
+
+DAMPED = CHAPTER | {"damping": {"rotational": "2e-4 N*m*s/rad", "translational": "1000 N*s/m"}}
+
+
+def failing(written, found):
+    """Yield what can be bought with which a sheet still vibrates or jerks, or after a knock if that is not said."""
+    for one in found["purchases"]:
+        sheet, entries = {**written}, {key: x for step in one["steps"] for key, x in step["entries"].items()}
+        for part in {path.split(".")[0] for path in entries}:
+            own = {path.split(".")[1]: value for path, value in entries.items() if path.split(".")[0] == part}
+            new = own.keys() & {"size", "coefficient", "pairing"}  # a thread or friction that is all new
+            sheet[part] = own if new else sheet.get(part, {}) | own
+        again = assess(Sheet.of(sheet), samples=64)
+        if again.verdict in ("vibrates", "jerks") or (again.perturbed.occurs and not one["left"]):
+            yield one["words"]
+
+
+def test_what_can_be_bought_ends_the_vibration_unless_it_is_fixed():
+    found = as_json(assess(Sheet.of(DAMPED), samples=64))
+    assert {step["kind"] for one in found["purchases"] for step in one["steps"]} == {"thread", "nut", "damper"}
+    assert not [*failing(DAMPED, found)]
+    found = assess(Sheet.of(DAMPED | {"fixed": ["thread.lead_angle", "friction", "damping.rotational"]}), samples=64)
+    free = {row.quantity for row in found.changes} | {step.kind for one in found.purchases for step in one.steps}
+    assert not free & {"lead", "pitch_diameter", "friction_coefficient", "support_damping", "thread", "nut", "damper"}
+    with pytest.raises(InputError, match=r"^fixed speaks of 'thread.colour', which is no entry of the sheet\.$"):
+        Sheet.of(DAMPED | {"fixed": ["thread.colour"]})
+
+
+@pytest.mark.slow
+def test_of_20_random_sheets_15_are_helped_by_what_can_be_bought():
+    """A damper by its size counts as one thing within a factor of two, whatever the little damping that is there."""
+    helped = []
+    for own in map(OwnSheet, range(1000, 1038)):
+        found = as_json(assess(Sheet.of(own.written), samples=64))
+        if found["verdict"] in ("vibrates", "jerks"):
+            assert not [*failing(own.written, found)], own.written["name"]
+            helped.append(any(max(step["change"] for step in one["steps"]) <= 2 for one in found["purchases"]))
+    assert (len(helped), sum(helped) >= 15) == (20, True)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_oscillations_are_the_eigenvalues_of_the_drive(seed):
+    for there in OperatingWindow(Draw.of(Sheet.of(OwnSheet([81, seed]).written))).corners[:4]:
+        pairs = sorted((z for z in stability(there.drive).eigenvalues if z.imag > 0), key=abs)
+        expected = [x for z in pairs for x in (abs(z) / (2 * math.pi), -z.real / abs(z))]
+        assert [x for mode in modes(there) for x in mode] == pytest.approx(expected, rel=1e-9, abs=1e-12)
+
+
+def test_a_stepper_meets_a_resonance_with_its_steps():
+    """200 full steps to a turn of the motor, which turns twice as fast as the screw."""
+    own = CHAPTER | {"motor": {"inertia": "5e-6 kg*m^2", "holding_torque": "0.4 N*m", "steps_per_turn": 200}}
+    own |= {"coupling": {"stiffness": "10 N*m/rad", "gear_ratio": 2}, "operation": {"speed": ["40 rpm", "100 rpm"]}}
+    found = assess(Sheet.of(own), samples=64)
+    full = 60 * found.resonances[0].frequency / 400
+    assert found.resonances[0].met.keys() == {1, 2}
+    assert f"full step at {full:.3g} rpm of the screw, every second at {2 * full:.3g} rpm" in said("stepper", found)
+
+
+def test_the_parts_of_the_worst_torque_add_up_and_a_guess_is_named():
+    """r F tan(λ + ρ) by hand; the load moves with 40 rad/s r tan λ."""
+    own = CHAPTER | {"guide": {"friction": "10 N"}, "bearing": {"torque": "2 mNm"}, "assumptions": {"damping": "?"}}
+    own |= {"damping": {"rotational": "2e-4 N*m*s/rad", "translational": "100 N*s/m"}, "load": {"force": "50 N"}}
+    found, r, angle = statics(Sheet.of(own)), 5.18e-3, math.radians(5.57)
+    each, drag = r * math.tan(angle + math.atan(0.218)), 100 * 40 * r * math.tan(angle)
+    expected = {"threads": 50 * each, "drag": drag * each, "guide": 10 * each, "damping": 8e-3, "bearing": 2e-3}
+    assert {name: one["torque"] for name, one in found.parts.items()} == pytest.approx(expected)
+    assert [found.rows[x].worst for x in ("lifting_torque", "load")] == pytest.approx([sum(expected.values()), 50])
+    assert {name for name, one in found.parts.items() if one["guess"] == "damping"} == {"drag", "damping"}
