@@ -124,6 +124,7 @@ CASES = [
     ("motor", {"steps_per_turn": 200}, "motor has none of inertia, rated_torque, peak_torque, holding_torque"),
     ("operation", {"move": {"distance": "1 m"}, "speed": "1 rpm"}, "operation.move has a speed and ramps of its own"),
     ("operation", {"move": {"distance": "1 m", "time": "1 s", "speed": "9 m/s"}}, "operation.move does not go"),
+    ("operation", {"move": {"distance": "1 m", "time": "1 s", "acceleration_time": "1 s"}}, "move does not go"),
     ("motor", {"torque_curve": [["9 rpm", "1 N*m"], ["3 rpm", "1 N*m"]]}, "motor.torque_curve needs two points"),
     ("motor", MOTOR | {"steps_per_turn": 200}, "motor.steps_per_turn is that of a stepper"),
     ("bearing", COLLAR, "bearing.collar is not judged beside a support or contact that complies"),

@@ -163,7 +163,7 @@ def test_two_loads_tell_threads_from_bearing(tmp_path):
     known_zero = fit_sheet(write_tables(tmp_path / "zero", [600.0], noise=1e-4, offset="4 mN*m"))
     assert ("friction_coefficient", "coulomb") not in known_zero.fit.not_separable
     one_way = fit_sheet(write_tables(tmp_path / "way", [600.0], SPEEDS, noise=1e-3, bearing={"coulomb": "24 mN*m"}))
-    assert any("One direction" in sentence for sentence in sentences(one_way))
+    assert any("Only one direction" in sentence for sentence in sentences(one_way))
     assert "offset" not in one_way.fit.unknown
 
 

@@ -135,7 +135,7 @@ def test_starts_give_the_inertia_that_a_sheet_lacks(folder, tmp_path):
     assert all({"inertia", "standard_errors"} <= set(record) for record in starts)
     assert yaml.safe_load(blocks(result))["screw"]["inertia"]["mean"] == f"{value:.6g} kg*m^2"
     said = " ".join(result["said"])
-    assert f"tell an inertia of {value:.4g}" in said
+    assert f"give an inertia of {value:.4g}" in said
     assert "Left out of start0.csv: start0.csv: " not in said
     assert "start0.csv inertia " in text_of(result)
     starts = fit_sheet(sheet(tmp_path, measurements={**SHEET["measurements"], "files": "start*.csv"})).fit.main

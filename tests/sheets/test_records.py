@@ -149,7 +149,7 @@ def test_what_is_no_stick_slip_has_no_numbers(name):
         record = look(Recording("x", speed * (1 + noise[0]), torque + noise[1] * torque.any()), 0.1)
         assert record.said[0].startswith(f"x: {said}"), record.said
         assert (record.kind, record.period, record.stiffness, record.inertia) == (kind, None, None, None)
-        assert len(record.said) == 1 or (kind in ("ramp", "start", "stop") and " told, as " in record.said[1])
+        assert len(record.said) == 1 or (kind in ("ramp", "start", "stop") and " found, as " in record.said[1])
 
 
 def test_jerks_need_even_times_and_two_samples_in_a_ramp(monkeypatch):
@@ -171,7 +171,7 @@ def test_jerks_in_step_with_the_samples_or_seldom_seen_tell_no_stiffness():
     assert "x: the mean speed is not sure, as samples keep in step with the jerks: no stiffness" in record.said[1]
     assert record.stiffness is None
     _, said = look(*known(213)[:3]).said  # of a window that is known, nothing is said of the fall
-    assert "as its standard error is 33%: no stiffness is told." in said
+    assert "as its standard error is 33%: no stiffness is found." in said
 
 
 def test_single_lost_rows_are_bridged_and_many_are_not():

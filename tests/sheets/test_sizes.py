@@ -25,6 +25,7 @@ JACK = {
     "screw": {"root_diameter": "25 mm", "ends": "fixed-supported", "unsupported_length": "800 mm"},
     "nut": {"length": "28 mm", "pressure_limit": "5 MPa"}, "operation": {"speed": "60 rpm"},
 }  # fmt: skip
+MOVE = {"operation": {"move": {"distance": "1 m", "acceleration_time": "1 s"}}, "motor": {"rated_torque": "30 N*m"}}
 STEEP, TORQUE = {"thread": {"lead": "20 mm", "pitch_diameter": "30 mm"}}, "lifting_torque=60 N*m"
 
 
@@ -69,7 +70,9 @@ def test_an_efficiency_needs_no_diameter(efficiency):
      ("thread.pitch_diameter", TORQUE, {}), ("thread.lead", "lifting_efficiency=50 %", {}),
      ("friction.coefficient", "holding_friction", {}), ("screw.unsupported_length", "column_load", {}),
      ("screw.unsupported_length", "screw_speed", {}), ("operation.speed", "lifting_power=100 W", {}),
-     ("friction.efficiency", TORQUE, {"friction": {}}), ("coupling.gear_ratio", "motor.torque=5 N*m", {})],
+     ("friction.efficiency", TORQUE, {"friction": {}}), ("coupling.gear_ratio", "motor.torque=5 N*m", {}),
+     ("load.force", "rms_torque", MOVE), ("load.force", "motor.torque", MOVE), ("nut.length", "nut.pressure", {}),
+     ("operation.move.time", "load_speed=0.4 m/s", MOVE)],
 )  # fmt: skip
 def test_what_is_solved_for_gives_what_was_asked(entry, goal, more):
     found = solved({**JACK, **more}, entry, goal)
@@ -90,7 +93,8 @@ def test_both_ends_of_the_uncertainties_and_all_solutions_are_said():
     ("entry", "goal", "words"),
     [("load.forse", TORQUE, "'load.forse' is no quantity of a sheet; these are load.mass, load.force"),
      ("load.force", "lifting_torque=60 N", "lifting_torque = '60 N' is not a torque"),
-     ("load.force", "lifting_torque", "The sheet has no limit of lifting_torque; give a value of it."),
+     ("load.force", "lifting_torque", "The sheet has no limit of lifting_torque; give a value."),
+     ("operation.speed", "sliding_speed", "The sheet has no limit of sliding_speed; give a value."),
      ("friction.efficiency", TORQUE, "friction.coefficient and friction.efficiency are both given"),
      ("nut.length", TORQUE, "No nut.length between 1 µm and 100 m makes lifting_torque 60 N m: it is 23.27 N m.")],
 )  # fmt: skip

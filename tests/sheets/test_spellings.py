@@ -61,7 +61,7 @@ def test_us_units_stand_beside_si_and_limits_that_are_not_known_are_said(tmp_pat
     torque = found["statics"]["lifting_torque"]["middle"]
     assert f"takes {torque:.3g} N m ({torque / 4.4482216152605 / 0.0254:.3g} lbf·in) and" in " ".join(us["brief"])
     assert {**us, "brief": 0} == {**found, "brief": 0}
-    assert "No limit of PV is known for acetal, so none is judged; give nut.pv_limit." in " ".join(found["brief"])
+    assert "No PV limit is known for acetal, so none is checked; give nut.pv_limit." in " ".join(found["brief"])
     with pytest.raises(InputError, match="may be acetal_dry or acetal_wet or acetal_oil"):
         Sheet.of({key: value for key, value in GATE.items() if key != "friction"})
     own = {"density": "7.85 g/cc", "modulus": "200 GPa", "yield_strength": "250 MPa"}

@@ -81,7 +81,7 @@ def test_what_is_told_is_right_and_what_is_not_has_a_reason(name):
         record = look(Recording("x", *recording), STEP)
         if reason:
             assert record.inertia is None
-            assert f"x: no inertia is told, as {reason}" in record.said
+            assert f"x: no inertia is found, as {reason}" in record.said
         elif record.inertia is not None:
             value, error = record.inertia
             assert abs(value - law["inertia"]) < 2.6 * error < 0.65 * value

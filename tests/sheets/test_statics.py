@@ -21,7 +21,7 @@ from lsvib.sheets.threads import thread_size
 INCH, POUND = 0.0254, 4.4482216152605
 LOAD, WEIGHT = {"mass": "25 kg", "orientation": "vertical"}, 25 * 9.80665
 BASE = {
-    "name": "a lift", "thread": {"size": "Tr 16x4"}, "screw": {"length": "500 mm", "ends": "fixed-supported"},
+    "name": "a lift", "thread": {"size": "Tr 16x4"}, "screw": {"length": "500 mm", "ends": "fixed-simple"},
     "nut": {"length": "30 mm", "material": "iglidur_b"}, "coupling": {"stiffness": "60 N*m/rad"},
     "load": {"mass": "10 kg", "orientation": "vertical"}, "operation": {"speed": "10 mm/s"},
     "friction": {"coefficient": 0.15},
@@ -250,6 +250,6 @@ def test_a_sizing_question_needs_no_dynamics(tmp_path):
     (tmp_path / "a.yaml").write_text(yaml.safe_dump(given), encoding="utf-8")
     found = lsvib.assess(tmp_path / "a.yaml", None)
     assert found["verdict"] is None
-    first = f"Whether it vibrates is not asked: the sheet does not give {missing}. No weight is counted."
+    first = f"Vibration is not assessed: the sheet does not give {missing}. No weight is counted."
     assert found["brief"][-1] == found["sentence"] == first
     assert found["brief"][0].startswith("The screw holds its load")

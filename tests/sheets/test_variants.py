@@ -16,12 +16,12 @@ BASE = {
     "screw": {"inertia": "1e-6 kg*m^2"}, "coupling": {"stiffness": "20 N*m/rad"},
 }  # fmt: skip
 HEADING = (
-    "name;thread.size;load.force [kN];thread.lead [mm];thread.pitch_diameter [mm];friction.coefficient;load.mass [kg]"
+    "name;thread.size;load.force [kN];thread.lead [mm];thread.pitch_diameter (mm);friction.coefficient;load.mass [kg]"
 )
 ROWS = {  # of a table, and what they change
     "as it is;;;;;;": {},
     "heavier;;[6, 12];;;10 %;": {"load": {"force": ["6 kN", "12 kN"]}, "friction": {"coefficient": "10 %"}},
-    "free;null;;5;22.5;;": {"thread": {"lead": "5 mm", "pitch_diameter": "22.5 mm"}},
+    "free;null;;5;22,5;;": {"thread": {"lead": "5 mm", "pitch_diameter": "22.5 mm"}},
     "jams;null;;30;22.5;3;": {"thread": {"lead": "30 mm", "pitch_diameter": "22.5 mm"}, "friction": {"coefficient": 3}},
     "moved;;;;;;50": {"load": {"force": "5 kN", "mass": "50 kg"}},
     "wrong;Tr 20x4;;5;;;": "thread.size and thread.lead are both given; give one of them.",

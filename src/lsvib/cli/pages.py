@@ -60,7 +60,7 @@ def assess(
     seed: Annotated[Whole, Parameter(help="Seed of the samples.")] = 1,
     units: Annotated[Literal["si", "us"], Parameter(help="us: in, lbf, lbf·in and others beside SI units.")] = "si",
     solve: Annotated[str | None, Parameter(help="An entry of the sheet to solve for, such as load.force.")] = None,
-    goal: Annotated[str | None, Parameter(name="--for", help="ROW=VALUE of statics, or ROW for its limit.")] = None,
+    goal: Annotated[str | None, Parameter(name="--for", help="Row of statics, for its limit, or ROW=VALUE.")] = None,
     as_json: AsJson = False,
 ) -> None:
     """Assess a drive from its data sheet: will it vibrate, what does it bear, and what should be changed.

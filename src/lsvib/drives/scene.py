@@ -105,7 +105,7 @@ def read_yaml(path: str | Path) -> dict[str, Any]:
     except (yaml.YAMLError, ValueError) as error:  # ValueError: no UTF-8, no day of the calendar, no decimal number
         raise InputError(f"{path} is not valid YAML: {' '.join(str(error).split()).rstrip('.')}.") from None
     if not isinstance(values, dict):
-        raise InputError(f"{path} does not hold names and values.")
+        raise InputError(f"{path} is not a YAML file of names and values, such as name: drive.")
     return values
 
 

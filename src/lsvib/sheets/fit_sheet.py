@@ -172,7 +172,7 @@ def _with_rows(table: Table, inertia: Number | None) -> Table:
         f"and what accelerates, at up to {most:.3g} rad/s², counts as friction: screw.inertia would take it off"
     )  # fmt: skip
     rows = sum(point.samples for point in points)
-    used = f"{points[0].name}: {rows} rows in which the screw turns count as {len(points)} points, {less}."
+    used = f"{points[0].name}: {rows} rows in which the screw turns make {len(points)} points, {less}."
     broke = next((point.breakaway for point in table.points if point.breakaway is not None), None)
     return replace(table, points=[replace(points[0], breakaway=broke), *points[1:]], said=said, used=used)
 

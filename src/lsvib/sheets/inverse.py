@@ -69,11 +69,12 @@ def solved(values: Mapping[str, Any], entry: str, goal: str) -> Solved:
     'load.force = 27.68 kN: lifting_torque is 60 N m.'
     """
     row, equals, wanted = (part.strip() for part in goal.partition("="))
-    if row == "motor.torque":
+    if row == "motor.torque" and equals:  # else what is given of the motor is its limit
         geared = entry == "coupling.gear_ratio" or _given(values, "coupling.gear_ratio") is not None
         row = "motor_torque" if geared else "lifting_torque"
+    row, asked = row.replace(".", "_"), row
     if row not in ABOUT:
-        raise InputError(f"{plainly(row)} is no row of statics; these are motor.torque, {', '.join(ABOUT)}.")
+        raise InputError(f"{plainly(asked)} is not one of the rows of statics: motor.torque, {', '.join(ABOUT)}.")
     ranges = dict(_ranges(Sheet))
     if entry not in ranges:
         own = [one for one in ranges if one.split(".")[0] == entry.split(".")[0]] or ranges
@@ -162,7 +163,7 @@ class _Search:
             return None
         if row is not None and (self.wanted is not None or row.limit is not None):
             return row
-        lack = f"{self.row} whatever {self.entry} is" if row is None else f"limit of {self.row}; give a value of it"
+        lack = f"limit of {self.row}; give a value" if self.wanted is None else f"{self.row} whatever {self.entry} is"
         self.refused = self.refused or f"The sheet has no {lack}."
         return None
 
@@ -183,6 +184,7 @@ class _Search:
                 continue
             sizes = np.geomspace(max(least, most * 10.0**-_DECADES), most, _PLACES).tolist()
             places = sorted({sign * size for size in sizes} | ({0.0} if least <= 0 else set()) | ({near} - {0.0}))
+            at(near or places[len(places) // 2])  # which tells best what is wrong, if there is no solution
             found = {place for place in places if at(place) == 0} | set(crossings(at, places, 1e-15))
             true = sorted((one for one in found if abs(at(one) or 0.0) <= _CLOSE), key=lambda one: abs(one - near))
             if true:
@@ -202,5 +204,6 @@ class _Search:
         wanted, ends = self.wanted, " and ".join(shown(end, self.unit) for end in self.ends)
         goal = f"brings {self.row} to its limit" if wanted is None else f"makes {self.row} {_said(self.row, wanted)}"
         both = (min(self.seen), max(self.seen))
-        said = [f"{percent(one)} of it" if wanted is None else _said(self.row, one * wanted) for one in both]
-        return f"No {self.entry} between {ends} {goal}: it is {' to '.join(dict.fromkeys(said))}."
+        said = [percent(one) if wanted is None else _said(self.row, one * wanted) for one in both]
+        of = " of it" if wanted is None else ""
+        return f"No {self.entry} between {ends} {goal}: it is {' to '.join(dict.fromkeys(said))}{of}."

@@ -32,6 +32,7 @@ class Course(NamedTuple):
     acceleration: Any
 
 
+@np.errstate(divide="ignore", invalid="ignore")  # of a time that is all ramp
 def course(move: Move, entries: Values, lead: Any) -> Course:
     """Return a move by the entries of its sheet, d = v (T − t) with the time t of a ramp; ``lead`` [m].
 
@@ -47,7 +48,7 @@ def course(move: Move, entries: Values, lead: Any) -> Course:
         time = ramp / share if speed is None else distance / speed + ramp
     if ramp is None:
         ramp = share * time if speed is None else time - distance / speed
-    speed = distance / (time - ramp) if speed is None else speed
+    speed = np.divide(distance, time - ramp) if speed is None else speed
     apart, left = np.abs(speed * (time - ramp) / distance - 1), time - 2 * ramp
     wrong = (ramp <= 0) | (left < -1e-9 * time) | (apart > SETTLED) | ((share == 1 / 2) & (left > SETTLED * time))
     if np.any(wrong):

@@ -97,7 +97,7 @@ def _of_statics(sheet: Sheet) -> dict[str, Any]:
     """The answer for a sheet that gives no drive which could vibrate: its verdict is on motor and brake alone."""
     found, draw = statics(sheet), Draw.of(sheet)
     curve, (lifting, lowering) = of_curve(draw), map(float, draw.efficiencies)
-    sentence = f"Whether it vibrates is not asked: {sheet.of_statics}."
+    sentence = f"Vibration is not assessed: {sheet.of_statics}."
     if sheet.load.mass is None:
         sentence += " No weight is counted."
     more = said("move", draw), said("nut", sheet), said("curve", curve)

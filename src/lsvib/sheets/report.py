@@ -36,7 +36,7 @@ from lsvib.sheets.statics import Statics, lets_go, statics
 from lsvib.sheets.threads import ThreadSize
 from lsvib.sheets.words import shown
 
-EFFORTS = {"lifting": "against the load", "lowering": "with the load", "braking": "to brake, where the load turns it"}
+EFFORTS = {"lifting": "against the load", "lowering": "with the load", "braking": "to brake where the load drives it"}
 """What torques are for, the most demanding first."""
 _OF_VIBRATION = ("probability", "interval", "nearest_mechanism", "reserve", "nearest_change", "worst_case")
 POOR = 0.1  # of a coefficient: a law that is further off says something else than its curve

@@ -24,6 +24,8 @@ from lsvib.sheets.words import QUANTITIES
 _OF_QUANTITIES = {path for one in QUANTITIES.values() for path in (one.entry, one.entry.split(".")[0])}
 _ABOUT = ("sources", "assumptions", "fixed")
 _Material = Annotated[str, BeforeValidator(common_name)]
+_Ends = Literal["fixed-free", "supported-supported", "fixed-supported", "fixed-fixed"]
+_SIMPLE = BeforeValidator(lambda ends: ends.replace("simple", "supported") if isinstance(ends, str) else ends)
 
 
 class Part(BaseModel):
@@ -90,7 +92,7 @@ class Thread(Part):
             if largest is None:
                 return (
                     "thread.nominal_diameter needs thread.pitch, or thread.starts beside thread.lead, from which the "
-                    "pitch diameter follows."
+                    "pitch diameter follows; of a ball screw give thread.pitch_diameter."
                 )
             if not self.nominal_diameter.low > 0.5 * largest:
                 return "thread.nominal_diameter is not above half the pitch, so there is no pitch diameter."
@@ -112,7 +114,7 @@ class Screw(Part):
     modulus: fields.Pressure | None = None
     yield_strength: fields.Pressure | None = None
     mass: fields.Mass | None = None
-    ends: Literal["fixed-free", "supported-supported", "fixed-supported", "fixed-fixed"] | None = None
+    ends: Annotated[_Ends | None, _SIMPLE] = None
     unsupported_length: fields.Length | None = None
     root_diameter: fields.Diameter | None = None
     _either = (("inertia", "length"), ("material", "density"))

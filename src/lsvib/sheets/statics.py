@@ -123,7 +123,7 @@ def row_of(sheet: Sheet, key: str, side: str = "middle") -> Row | None:
     the uncertainties.
     """
     draw = Draw.of(sheet, None if side == "middle" else ends(sheet))
-    found = _judged(draw, *(_middle(_window(draw)) if side == "middle" else _points(draw)))
+    found = _centre(draw) if side == "middle" else _everywhere(draw)
     if key not in found or key in _unasked(sheet):
         return None
     return _row(key, found[key], None, side == "best")
@@ -132,7 +132,7 @@ def row_of(sheet: Sheet, key: str, side: str = "middle") -> Row | None:
 def statics(sheet: Sheet) -> Statics:
     """Return all rows for which a sheet has the entries, at the middle values and at the worst ones."""
     draw = Draw.of(sheet)
-    middle = _judged(draw, *_middle(_window(draw))) | motor.in_motion(draw, middle=True)
+    middle = _centre(draw)
     nominal, surely_pushed = _everywhere(draw), _pushed(draw).any()
     draw = Draw.of(sheet, ends(sheet))
     if sheet.friction.curve and not np.all(draw.friction_at(draw.values["speed_high"])[0]):
@@ -156,6 +156,11 @@ def statics(sheet: Sheet) -> Statics:
         return Statics(rows, False, falls, **more)
     surely = surely_pushed and _row(holding.key, middle[holding.key], None).exceeded
     return Statics(rows, "at the middle values" if surely else "within the uncertainties", falls, **more)
+
+
+def _centre(draw: Draw) -> dict[str, Judged]:
+    """All quantities with their limits in the middle of the window, and of a move."""
+    return _judged(draw, *_middle(_window(draw))) | motor.in_motion(draw, middle=True)
 
 
 def _everywhere(draw: Draw) -> dict[str, Judged]:

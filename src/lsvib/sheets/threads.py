@@ -21,6 +21,7 @@ _SIZE, _STARTS = (
     rf"((?:\d[ -])?\d{{1,2}}/\d{{1,2}}|{_N[1:-1]})[ -]*(?:in|\")? ?-",
     r"(?: ?[x,-]? ?\(?([1-9]) ?-?starts?\)?)?",
 )
+_PITCH_FIRST = re.compile(rf"[*x] ?P{_N} ?[*x] ?([1-9])N", re.IGNORECASE)  # Tr8*P2*4N, of 4 starts
 _ISO = re.compile(rf"M ?{_N}(?: ?[x-] ?{_N})?", re.IGNORECASE)
 _TRAPEZOID = re.compile(rf"Tr? ?{_N}(?: ?x ?{_N}(?: ?\(?P ?{_N}\)?)?{_STARTS})?", re.IGNORECASE)
 _INCHES = re.compile(rf"{_SIZE} ?([1-9]\d?)(?: ?tpi)?{_STARTS}", re.IGNORECASE)
@@ -57,6 +58,7 @@ def thread_size(name: object) -> ThreadSize:
     text = _HAND.sub("", re.sub(r"(?<=\d) ?[*xX] ?(?=\d)", "x", plain(str(name)))).strip()  # statics are those of RH
     series = {found.upper() for found in _SERIES.findall(text)}
     text = _TOLERANCE.sub("", _SERIES.sub(" ", text).strip())
+    text = _PITCH_FIRST.sub(lambda found: f"x{float(found[1]) * int(found[2]):g} P{found[1]}", text)
     forms = (_TRAPEZOID, _trapezoidal), (_ASME, _acme), (_INCHES, partial(_of_inches, series)), (_ISO, _metric)
     for pattern, made in forms:
         if match := pattern.fullmatch(text):

@@ -1,6 +1,7 @@
 """Variants of a data sheet in a table, a row each, and what is said of them, a row each again.
 
-Columns are entries of a sheet, such as ``load.mass``, with the unit in the cells or in the heading, ``load.mass [kg]``.
+Columns are entries of a sheet, such as ``load.mass``, with the unit in the cells or in the heading, ``load.mass [kg]``
+or ``load.mass (kg)``. Where semicolons or tabs part the cells, a comma in a number is the decimal sign.
 """
 
 import copy
@@ -33,11 +34,13 @@ def assess_variants(
         sheet.pop(about, None)
     try:
         text = path.read_text(encoding="utf-8-sig")
-        parted = ";" if ";" in text.partition("\n")[0] else ","
+        parted = next((sign for sign in ";\t" if sign in text.partition("\n")[0]), ",")
         rows = pd.read_csv(StringIO(text), sep=parted, dtype=str, keep_default_na=False, skipinitialspace=True)
     except (OSError, ValueError) as error:  # pandas raises many kinds of the latter
         reason = getattr(error, "strerror", None) or " ".join(str(error).split()).rstrip(".")
         raise InputError(f"Cannot read {path}: {reason}.") from None
+    if parted != ",":
+        rows = rows.replace(r"^(-?\d+),(\d+)(?![\d,.])", r"\1.\2", regex=True)
     if not isinstance(rows.index, pd.RangeIndex):
         raise InputError(f"{path} is not a table: its rows have more cells than the first line has headings.")
     for count, cells in enumerate(rows.to_dict("records"), 1):
@@ -58,7 +61,7 @@ def _variant(base: Mapping[str, Any], cells: Mapping[str, str]) -> dict[str, Any
     """The names and values of the sheet of one row."""
     values = copy.deepcopy(dict(base))
     for heading, cell in cells.items():
-        path, _, unit = heading.strip().removesuffix("]").partition("[")
+        path, _, unit = heading.strip().replace("(", "[", 1).removesuffix("]").removesuffix(")").partition("[")
         *parts, last = path.strip().split(".")
         place = values
         for part in parts:

@@ -94,9 +94,9 @@ def points(draw: Draw, direction: int, between: bool = True) -> tuple[Array, Arr
 
     ``between``: with a support also between the ends of |R̃|, where its reserves need not be monotonic.
     """
-    sheet = draw.sheet
+    sheet, shape = draw.sheet, draw.shape
     shares = np.linspace(_BESIDE, 1.0, 3 if between and sheet.support is not None else 1)
-    draw = replace(draw, values={key: np.broadcast_to(value, draw.shape) for key, value in draw.values.items()})
+    draw = replace(draw, values={key: np.broadcast_to(value, shape) for key, value in draw.values.items()})
     values = draw.values
     # R̃ = R − drag Ω, of which R is own less the force.
     drag = draw.pitch_radius * np.tan(draw.lead_angle) * values["translation_damping"] * direction
@@ -166,7 +166,7 @@ def worst(draw: Draw, between: bool = True) -> dict[str, Worst]:
     :func:`lsvib.sheets.reserves.reserves`. NaN where the friction is so strong that the drive cannot move at all.
     """
     count, values = max(np.size(value) for value in draw.values.values()), draw.values
-    step = max(AT_ONCE // count_of(draw), 1)
+    step = max(AT_ONCE // count_of(draw), 1) if count > 256 else count  # of few, asking takes longer than all
     blocks = (
         {key: one[k : k + step] if np.size(one) > 1 else one for key, one in values.items()}
         for k in range(0, count, step)

@@ -169,7 +169,7 @@ def _moved(
 ) -> Record:
     """Return what a record of starts, stops or ramps tells, sampled each ``step``, 0 where it is not even."""
     why = "" if step and recording.speed.size >= SHORTEST // 2 else NOT_EVEN if not step else "it is too short"
-    more = [f"no inertia is told, as {why}."]
+    more = [f"no inertia is found, as {why}."]
     numbers: dict[str, Any] = {}
     if not why:
         numbers, more = told(recording.speed, recording.torque, step, averaging, load)
@@ -322,7 +322,7 @@ def _numbers(name: str, speed: Array, torque: Array, teeth: Teeth, step: float, 
     beat = abs(1 / teeth.frequency - round(1 / teeth.frequency)) * slips.size
     if mean_error > UNSURE or beat < 1:  # within an interval, samples see the same part of all teeth
         why = "samples keep in step with the jerks" if beat < 1 else f"its standard error is {mean_error:.0%}"
-        said.append(f"the mean speed is not sure, as {why}: no stiffness is told.")
+        said.append(f"the mean speed is not sure, as {why}: no stiffness is found.")
     else:
         found["stiffness"] = (slope[0] / mean, slope[0] / mean * math.hypot(slope[1] / slope[0], mean_error))
     if averaging is not None and averaging > (width + 2 * blur) * period:

@@ -51,12 +51,12 @@ def told(
     # The rounding of a slow speed does not average out.
     rounded = grain(speed)
     found, why = _of_ramps(speed, torque, step, averaging or 0.0, rounded, load)
-    said = [f"no inertia is told, as {why}."] if why else []
+    said = [f"no inertia is found, as {why}."] if why else []
     rests = np.abs(speed) < REST * np.abs(speed).max()
     if rests[0] and not rests.all():
         breakaway, why = _breakaway(speed, torque, rests, None if averaging is None else averaging / step)
         found |= {"breakaway": breakaway} if not why else {}
-        said += [f"no breakaway torque is told, as {why}."] if why else []
+        said += [f"no breakaway torque is found, as {why}."] if why else []
     return found, said
 
 
