@@ -82,6 +82,7 @@ def test_up_to_the_highest_speed_the_curve_is_enough(more):
 WEAK = "The motor is too weak: moving the load takes 271 mN m at the motor, which gives"  # 8 mm · mg tan(λ + ρ) + c Ω
 MAY = "The motor may be too weak: within the given uncertainties moving the load takes up to 314 mN m at the motor"
 HOLDS = "The brake is too weak: holding the load without current takes 76.1 mN m, and it holds 50 mN m at most. What"
+BOTH = {"rated_torque": "0.2 N*m", "torque_curve": [["0 rpm", "1 N*m"], ["999 rpm", "1 N*m"]]}
 GIVES, STEPPER = {"motor": {"rated_torque": "0.28 N*m"}}, {"inertia": "5e-5 kg*m^2", "holding_torque": "0.6 N*m"}
 
 
@@ -90,6 +91,8 @@ GIVES, STEPPER = {"motor": {"rated_torque": "0.28 N*m"}}, {"inertia": "5e-5 kg*m
     [({"motor": STEPPER | {"holding_torque": "0.1 N*m"}}, "motor too weak", f"{WEAK} 100 mN m at most. What follows"),
      ({"motor": {"torque_curve": [["1 rpm", "1 N*m"], ["299 rpm", "1 N*m"]]}}, "motor too weak", f"{WEAK} nothing at"),
      (GIVES | {"friction": {"coefficient": [0.05, 0.15]}}, "motor may be too weak", MAY),
+     ({"motor": BOTH}, "motor too weak", f"{WEAK} 200 mN m at most"),
+     ({"motor": BOTH, "operation": {"move": MOVE | {"pause": "9 s"}}}, "steady", "This"),
      ({"brake": {"torque": "0.05 N*m"}}, "brake too weak", HOLDS), ({"motor": STEPPER}, "steady", "This drive runs"),
      (GIVES | {"brake": {"torque": "0.08 N*m"}}, "steady", "This drive runs steadily")],
 )  # fmt: skip

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lsvib.drives import friction
+from lsvib.sheets.drive_entries import Motor
 from lsvib.sheets.formulas import (
     FRICTION,
     GRAVITY,
@@ -24,7 +25,7 @@ from lsvib.sheets.formulas import (
 )
 from lsvib.sheets.materials import SCREW_MATERIALS
 from lsvib.sheets.move import Course, course
-from lsvib.sheets.sheet import Motor, Sheet
+from lsvib.sheets.sheet import Sheet
 from lsvib.sheets.words import QUANTITIES
 
 PAIRS = {"force": ("force_low", "force_high"), "speed": ("speed_low", "speed_high")}

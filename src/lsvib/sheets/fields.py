@@ -40,6 +40,7 @@ _KINDS = {  # of quantities, by the unit in which the package counts them, each 
     "N m/A": ("a torque constant", "0.05 N*m/A"),
     "N m": ("a torque", "3 mN*m"),
     "W": ("a power", "100 W"),
+    "J": ("a work", "20 J"),
     "N/m": ("a stiffness", "1e6 N/m"),
     "Hz": ("a frequency", "50 Hz"),
     "rad/s": ("a rotational speed", "60 rpm"),

@@ -13,8 +13,9 @@ from lsvib.drives.complaints import sentence_about
 from lsvib.errors import InputError
 from lsvib.numbers import number, shown, whole
 from lsvib.sheets import fields
+from lsvib.sheets.drive_entries import Part
 from lsvib.sheets.fields import NotQuantity, Spread
-from lsvib.sheets.sheet import NO_DIAMETER, Load, Part, Thread
+from lsvib.sheets.sheet import NO_DIAMETER, Load, Thread
 
 _TURNED = ("rad", "m", "counts")
 _SHARES = {"%": 1e-2, "‰": 1e-3, "permille": 1e-3}

@@ -14,8 +14,9 @@ from pydantic import BaseModel
 
 from lsvib.errors import InputError
 from lsvib.numbers import shown as plainly
+from lsvib.sheets.drive_entries import Part
 from lsvib.sheets.fields import Allowed, NotQuantity, Spread, quantity
-from lsvib.sheets.sheet import Part, Sheet
+from lsvib.sheets.sheet import Sheet
 from lsvib.sheets.statics import Row, row_of
 from lsvib.sheets.words import ABOUT, percent, shown
 from lsvib.stability.solve import crossings
@@ -28,8 +29,9 @@ _CLOSE = 1e-9  # relative, of a row to what it shall be: what is further off is 
 class Solved:
     """The ``values`` of an ``entry`` in ``unit`` at which a ``row`` has the ``wanted`` value [SI units], or its limit.
 
-    All at the middle values, the first next to what the sheet gives; next to it ``worst``, for the worst row in window
-    and uncertainties, and ``best``, for the best in the latter, None where it is the same. ``sheet``: with the first.
+    All at the middle values, the first next to what the sheet gives, or else the largest; next to it ``worst``, for the
+    worst row in window and uncertainties, and ``best``, for the best in the latter, None where it is the same.
+    ``sheet``: with the first.
     """
 
     entry: str
@@ -88,7 +90,7 @@ def solved(values: Mapping[str, Any], entry: str, goal: str) -> Solved:
         raise InputError(f"{name} {error}.") from None
     unit = given.unit if given else next(iter(ranges[entry]))
     search = _Search(values, entry, unit, row, target, ranges[entry][unit])
-    found = search.roots("middle", given.nominal if given else 0.0)
+    found = search.roots("middle", given.nominal if given else 0.0)[:: 1 if given else -1]
     if not found:
         raise InputError(search.failure)
     if target is None:  # on the side on which the limit is kept, far below what counts
@@ -163,8 +165,8 @@ class _Search:
             return None
         if row is not None and (self.wanted is not None or row.limit is not None):
             return row
-        lack = f"limit of {self.row}; give a value" if self.wanted is None else f"{self.row} whatever {self.entry} is"
-        self.refused = self.refused or f"The sheet has no {lack}."
+        lack = f"{self.row} whatever {self.entry} is" if row is None else f"limit of {self.row}; give a value"
+        self.refused = f"The sheet has no {lack}."
         return None
 
     def gap(self, side: str, value: float) -> float | None:
@@ -203,7 +205,6 @@ class _Search:
             return self.refused
         wanted, ends = self.wanted, " and ".join(shown(end, self.unit) for end in self.ends)
         goal = f"brings {self.row} to its limit" if wanted is None else f"makes {self.row} {_said(self.row, wanted)}"
-        both = (min(self.seen), max(self.seen))
-        said = [percent(one) if wanted is None else _said(self.row, one * wanted) for one in both]
-        of = " of it" if wanted is None else ""
-        return f"No {self.entry} between {ends} {goal}: it is {' to '.join(dict.fromkeys(said))}{of}."
+        both = sorted((min(self.seen), max(self.seen)), key=lambda one: one * (wanted or 1.0))
+        said = [f"{percent(one)} of it" if wanted is None else _said(self.row, one * wanted) for one in both]
+        return f"No {self.entry} between {ends} {goal}: it is {' to '.join(dict.fromkeys(said))}."

@@ -1,5 +1,6 @@
 """What turns the screw, and whether the motor gives it: running, starting, at rest, in ramps, over a cycle of moves."""
 
+from functools import reduce
 from typing import Any
 
 import numpy as np
@@ -14,10 +15,11 @@ Floats = NDArray[np.float64]
 Judged = tuple[Any, Any]  # values at many points and their limits, or None
 Rubs = tuple[Any, Any, Any]  # friction of the square thread [1], of a collar [1], torque of the bearing [N m]
 
-# What counts as the limit, the first that the sheet has. A curve is what a motor gives for as long as a ramp takes.
-RUNNING = ("torque_curve", "rated_torque", "peak_torque", "holding_torque")
-RAMP = ("torque_curve", "peak_torque", "rated_torque", "holding_torque")
-STANDING = ("holding_torque", "rated_torque", "torque_curve", "peak_torque")
+# What counts as the limit: the first that the sheet has, of two that stand together the lower one. A curve is what a
+# motor gives for as long as a ramp takes.
+RUNNING = ("torque_curve rated_torque", "peak_torque", "holding_torque")
+RAMP = ("torque_curve peak_torque", "rated_torque", "holding_torque")
+STANDING = ("holding_torque", "rated_torque", "torque_curve peak_torque")
 # Rows whose limit is one of motor or brake, the first to be spoken of first.
 LIMITED = ("motor_torque", "motor_starting_torque", "motor_holding_torque", "peak_torque", "rms_torque", "brake_torque")
 
@@ -77,19 +79,21 @@ def of_motor(draw: Draw, speed: Any, held: Any, acceleration: Any = 0.0) -> tupl
 
 def limit(draw: Draw, names: tuple[str, ...], speed: Any) -> Any:
     """Return what the motor gives [N m] at a ``speed`` of the screw [rad/s], by the first of names that is given."""
-    motor = draw.sheet.motor
-    name = next((name for name in names if motor and getattr(motor, name) is not None), None)
-    if name == "torque_curve" and motor and motor.torque_curve:
-        own = speed * draw.entries.get("coupling.gear_ratio", 1.0)
+    motor, own = draw.sheet.motor, {path[6:]: one for path, one in draw.entries.items() if path.startswith("motor.")}
+    if motor and motor.torque_curve:
         speeds, torques = np.transpose(motor.torque_curve)
-        return np.interp(np.asarray(own * (1 - 1e-9)), speeds, torques, right=0.0)  # rounding must not pass its end
-    return None if name is None else draw.entries[f"motor.{name}"]
+        turning, end = np.asarray(speed * draw.entries.get("coupling.gear_ratio", 1.0)), speeds[-1]
+        turning = np.where(np.isclose(turning, end, rtol=1e-9), end, turning)  # rounding must not pass its end
+        own["torque_curve"] = np.interp(turning, speeds, torques, right=0.0)
+    found = next(filter(None, ([own[one] for one in name.split() if one in own] for name in names)), [])
+    return reduce(np.minimum, found) if found else None
 
 
 def judged(draw: Draw, speed: Floats, held: Floats) -> dict[str, Judged]:
     """Return the rows of motor and brake at points of the window, of steady running and of rest."""
     entries, found = draw.entries, dict[str, Judged]()
-    top, standing = limit(draw, RUNNING, speed), limit(draw, STANDING, 0.0)
+    # In a cycle of moves it is the RMS torque that a motor has to give for ever.
+    top, standing = limit(draw, RAMP if draw.sheet.operation.move else RUNNING, speed), limit(draw, STANDING, 0.0)
     if top is not None or entries.keys() & {"coupling.gear_ratio", "motor.gear_efficiency"}:
         found["motor_torque"] = of_motor(draw, speed, held)[1], top
     _, rubs, guide = at_rest(draw)
@@ -159,7 +163,7 @@ def highest_speeds(draw: Draw) -> dict[str, dict[str, float]]:
     loads = np.broadcast_arrays(*(draw.values[f"force_{end}"] + draw.weight + 0.0 * ratio for end in ("low", "high")))
     pushed, found = np.reshape(loads, (1, 2, -1)), dict[str, dict[str, float]]()
     for way in draw.sheet.directions:
-        spare = limit(draw, RUNNING, points / ratio) - of_motor(draw, points / ratio, way * pushed)[1]
+        spare = limit(draw, ("torque_curve",), points / ratio) - of_motor(draw, points / ratio, way * pushed)[1]
         enough, speeds = spare >= 0, points / ratio + 0.0 * pushed
         with np.errstate(divide="ignore", invalid="ignore"):  # where it stays, or the threads jam
             share = np.where(enough[1:], 1.0, spare[:-1] / (spare[:-1] - spare[1:]))

@@ -12,8 +12,8 @@ from lsvib.drives.command import Command
 from lsvib.drives.drive import Drive
 from lsvib.drives.model import model_of
 from lsvib.errors import EngineError, InputError, WorkSpentError
+from lsvib.sheets.drive_entries import Move
 from lsvib.sheets.formulas import Values
-from lsvib.sheets.sheet import Move
 
 SETTLED = 0.01  # of the speed: a ripple below it counts as gone, and what is rounded as the same
 _PIECES = 12  # of half an s-curve, of which a command is made; what they add is far below SETTLED
@@ -66,8 +66,8 @@ def nodes(profile: str) -> NDArray[np.float64]:
     """
     inner, weights = 0.5 * (_NODES + 1), 0.5 * _WEIGHTS
     if profile == "s-curve":  # by the share of the acceleration in either half of a ramp
-        rising = np.concatenate([np.linspace(0.2, 1.0, 5), inner])
-        weights = np.tile(np.concatenate([np.zeros(5), 0.5 * weights]), 2)
+        rising = np.concatenate([np.linspace(0.05, 1.0, 20), inner])
+        weights = np.tile(np.concatenate([np.zeros(20), 0.5 * weights]), 2)
         ramp = np.array([np.concatenate([0.5 * rising**2, 1 - 0.5 * rising**2]), np.tile(rising, 2), weights])
     else:
         ramp = np.array([[0.0, 1.0, *inner], np.ones(2 + inner.size), [0.0, 0.0, *weights]])

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 _OF_MOTIONS = ("parts", "attractor", "vibrates", "frequency", "audible", "amplitude", "load_speed", "screw_speed",
-               "peak_contact_force", "peak_impulse", "reason", "scene")  # fmt: skip
+               "peak_contact_force", "peak_impulse", "motor_swing", "reason", "scene")  # fmt: skip
 
 
 def assess(
@@ -74,14 +74,7 @@ def _told(sheet: Sheet, found: Assessment | None, answer: Solved | None) -> dict
     return result | more
 
 
-def _write(
-    files: Sequence[Path],
-    sheet: Sheet,
-    found: Assessment | None,
-    result: dict[str, Any],
-    told: dict[str, Any],
-    first: str,
-) -> None:
+def _write(files: Sequence[Path], sheet: Sheet, found: Assessment | None, result: Any, told: Any, first: str) -> None:
     """Write all files, or none."""
     operating = charts(found.draw) if found else []
     with replacing(*files) as (page, verdict, *more):
@@ -100,6 +93,8 @@ def _of_statics(sheet: Sheet) -> dict[str, Any]:
     sentence = f"Vibration is not assessed: {sheet.of_statics}."
     if sheet.load.mass is None:
         sentence += " No weight is counted."
+    if draw.run and "acceleration_torque" not in found.rows:
+        sentence += " No inertia is given, so what ramps take is not counted."
     more = said("move", draw), said("nut", sheet), said("curve", curve)
     return {
         "name": sheet.name,
@@ -107,15 +102,9 @@ def _of_statics(sheet: Sheet) -> dict[str, Any]:
         "vibration": None,
         "sentence": f"{found.sentence} {sentence}".strip(),
         "brief": [line for line in (found.sentence, *of_statics(found), *more, sentence) if line],
-        "statics": _statics_json(found),
-        "motor": {"highest_speed": found.highest_speed},
-        "worst_torque": found.parts,
-        "friction_curve": curve,
-        "pairings": sheet.pairings,
+        **_of_any(draw, found),
         "self_locking": lowering <= 0,
         "efficiency": {"lifting": lifting, "lowering": lowering if lowering > 0 else None},
-        "assumptions": dict(sheet.assumptions),
-        "sources": dict(sheet.sources),
     }
 
 
@@ -128,12 +117,8 @@ def as_json(assessment: Assessment) -> dict[str, Any]:
         "vibration": assessment.vibration,
         "sentence": assessment.sentence,
         "brief": brief(assessment),
-        "statics": _statics_json(assessment.statics),
-        "motor": {"highest_speed": assessment.statics.highest_speed},
+        **_of_any(assessment.draw, assessment.statics),
         "ripple": assessment.ripple and vars(assessment.ripple),
-        "worst_torque": assessment.statics.parts,
-        "friction_curve": of_curve(assessment.draw),
-        "pairings": assessment.draw.sheet.pairings,
         "self_locking": assessment.efficiency["lowering"] is None,
         "self_locking_probability": assessment.uncertainty.holds.value,
         "efficiency": {**assessment.efficiency, "lifting_range": list(assessment.uncertainty.lifting)},
@@ -174,8 +159,6 @@ def as_json(assessment: Assessment) -> dict[str, Any]:
         "resonances": [one._asdict() for one in assessment.resonances],
         "nominal": _motion_json(assessment.nominal),
         "worst_case": _motion_json(assessment.worst),
-        "assumptions": dict(assessment.draw.sheet.assumptions),
-        "sources": dict(assessment.draw.sheet.sources),
     }
 
 
@@ -185,6 +168,21 @@ def _statics_json(found: Statics) -> dict[str, Any]:
         del row["key"]
         row["worst"] = row["worst"] if np.isfinite(row["worst"]) else None  # a torque, where the threads jam
     return {"back_drives": found.back_drives, **rows}
+
+
+def _of_any(draw: Draw, found: Statics) -> dict[str, Any]:
+    """What the answer for any sheet has."""
+    run = draw.run and {key: float(one) if np.isfinite(one) else None for key, one in draw.run._asdict().items()}
+    return {
+        "statics": _statics_json(found),
+        "motor": {"highest_speed": found.highest_speed},
+        "move": run,
+        "worst_torque": found.parts,
+        "friction_curve": of_curve(draw),
+        "pairings": draw.sheet.pairings,
+        "assumptions": dict(draw.sheet.assumptions),
+        "sources": dict(draw.sheet.sources),
+    }
 
 
 def _from_rest_json(found: FromRest) -> dict[str, Any]:

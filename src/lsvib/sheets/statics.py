@@ -122,8 +122,7 @@ def row_of(sheet: Sheet, key: str, side: str = "middle") -> Row | None:
     ``side``: ``middle`` values, ``worst`` ones, or the ``best`` for which the worst of the window can be hoped within
     the uncertainties.
     """
-    draw = Draw.of(sheet, None if side == "middle" else ends(sheet))
-    found = _centre(draw) if side == "middle" else _everywhere(draw)
+    found = _at_middle(Draw.of(sheet)) if side == "middle" else _everywhere(Draw.of(sheet, ends(sheet)))
     if key not in found or key in _unasked(sheet):
         return None
     return _row(key, found[key], None, side == "best")
@@ -132,7 +131,7 @@ def row_of(sheet: Sheet, key: str, side: str = "middle") -> Row | None:
 def statics(sheet: Sheet) -> Statics:
     """Return all rows for which a sheet has the entries, at the middle values and at the worst ones."""
     draw = Draw.of(sheet)
-    middle = _centre(draw)
+    middle = _at_middle(draw)
     nominal, surely_pushed = _everywhere(draw), _pushed(draw).any()
     draw = Draw.of(sheet, ends(sheet))
     if sheet.friction.curve and not np.all(draw.friction_at(draw.values["speed_high"])[0]):
@@ -158,9 +157,9 @@ def statics(sheet: Sheet) -> Statics:
     return Statics(rows, "at the middle values" if surely else "within the uncertainties", falls, **more)
 
 
-def _centre(draw: Draw) -> dict[str, Judged]:
-    """All quantities with their limits in the middle of the window, and of a move."""
-    return _judged(draw, *_middle(_window(draw))) | motor.in_motion(draw, middle=True)
+def _at_middle(draw: Draw) -> dict[str, Judged]:
+    """All quantities with their limits in the middle of the window."""
+    return motor.in_motion(draw, middle=True) | _judged(draw, *_middle(_window(draw)))
 
 
 def _everywhere(draw: Draw) -> dict[str, Judged]:
@@ -175,7 +174,7 @@ def _weak(rows: dict[str, Row], nominal: dict[str, Judged]) -> dict[str, Any]:
     for row in surely or exceeded:
         verdict = f"{'brake' if row.key == 'brake_torque' else 'motor'} {'' if surely else 'may be '}too weak"
         most, has = size(row.worst, "N m"), shown(row.limit, "N m")
-        more = f", {percent(row.worst / (row.limit or math.inf) - 1)} more than there is" if most == has else ""
+        more = f", {percent(1 - (row.limit or 0.0) / row.worst)} too little" if most == has else ""
         has = WEAK["limit" if row.limit else "no limit"].format(has)
         said = VERDICTS[verdict].format(what=WEAK[row.key], needed=most, given=has, more=more)
         return {"verdict": verdict, "sentence": said}
@@ -194,10 +193,11 @@ def _parts(draw: Draw, whole: Floats, speed: Floats, held: Floats, load: Floats)
     force, guide, preload = np.abs(load), draw.values.get("slide_friction", 0.0), draw.entries.get("nut.preload", 0.0)
     thread = draw.pitch_radius, draw.lead_angle, draw.friction_at(speed)[0], True
     each, relieved = torque(1.0, *thread), relieved_half(force, preload, draw.entries.get("nut.load_share", 1.0))
+    drag = draw.values["translation_damping"] * draw.travel
     rest = {"bearing": draw.values.get("bearing_friction", 0.0), "damping": draw.values["support_damping"] * speed}
-    found = rest | {"threads": each * held, "guide": each * guide, "drag": each * (load - held - guide)}
+    found = rest | {"threads": each * held, "guide": each * guide, "drag": each * drag * speed}
     found["collar"] = draw.pitch_radius * draw.collar * force
-    found["preload"] = torque(force, *thread, relieved=relieved) - each * force
+    found["preload"] = torque(0.0, *thread, relieved=relieved)
     sizes = {name: float(np.broadcast_to(part, whole.shape).flat[at]) for name, part in found.items()}
     shares: dict[str, dict[str, Any]] = {}
     for name in sorted(filter(sizes.get, sizes), key=lambda name: -abs(sizes[name])) if worst < math.inf else ():
@@ -250,17 +250,17 @@ def _points(draw: Draw) -> Iterator[Floats]:
 
 
 def _middle(window: Sequence[tuple[Floats, Floats, Floats]]) -> tuple[Floats, Floats, Floats]:
-    """Speeds and loads (k, 1) in the middle of a window: against which travel goes in it, and with which it goes."""
+    """Speeds and loads (k, 1) in the middle of a window: against which travel goes in it, and with which it goes.
+
+    Where a guide holds the load both ways go against it: then of the way that takes more.
+    """
     speed = np.concatenate([one.ravel() for one, _, _ in window])
     found: list[list[float]] = []
     for sign in (1, -1):
-        pairs: list[float] = []
-        for loads in zip(*(side[1:] for side in window), strict=True):
-            sizes = [np.clip(sign * load, 0, None) for load in loads if (sign * load > 0).any()]
-            ends = [size(one) for size in (np.min, np.max) for one in sizes]
-            pairs.append(sign * 0.5 * float(min(ends) + max(ends)) if ends else 0.0)
-        if pairs[1]:
-            found.append(pairs)
+        sizes = [[np.clip(sign * load, 0, None) for load in side[1:]] for side in window]
+        pairs = [[sign * 0.5 * float(one.min() + one.max()) for one in both] for both in sizes]
+        if any(pair[1] for pair in pairs):
+            found.append(max(pairs, key=lambda pair: abs(pair[1])))
     held, load = np.array(found or [[0.0, 0.0]]).T[:, :, None]
     return np.full(load.shape, 0.5 * (speed.min() + speed.max())), held, load
 

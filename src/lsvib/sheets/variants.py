@@ -72,7 +72,13 @@ def _variant(base: Mapping[str, Any], cells: Mapping[str, str]) -> dict[str, Any
             place.pop(last, None)
         elif cell:
             place[last] = _value(cell, unit)
-    return values
+    return _with_entries(values)
+
+
+def _with_entries(values: dict[str, Any]) -> dict[str, Any]:
+    """Leave out the parts that have no entry, as all of their cells are empty."""
+    inner = {key: _with_entries(value) if isinstance(value, dict) else value for key, value in values.items()}
+    return {key: value for key, value in inner.items() if value != {}}
 
 
 def _value(cell: str, unit: str) -> Any:
