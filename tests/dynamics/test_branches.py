@@ -47,7 +47,7 @@ KNOWN = [  # drive, period of the cycle, parameter, span; values that it reaches
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("values", "period", "parameter", "span", "reached"),
-    [pytest.param(*one, marks=[pytest.mark.search] if one[2] == "pitch_radius" else []) for one in KNOWN],
+    [pytest.param(*one, marks=[pytest.mark.search] * (one[2] in ("pitch_radius", "input_speed"))) for one in KNOWN],
 )
 def test_a_branch_goes_on_where_its_cycle_does(values, period, parameter, span, reached):
     """False folds, a jump, a table of other surfaces, rest of no length, and the end of what may be asked."""

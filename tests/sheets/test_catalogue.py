@@ -4,6 +4,7 @@ import math
 
 import pytest
 from references.random_sheets import CHAPTER
+from references.sizes import sizes
 
 from benchmarks.sheets.own_sheets import OwnSheet
 from lsvib.errors import InputError
@@ -29,7 +30,7 @@ def failing(written, found):
             new = own.keys() & {"size", "coefficient", "pairing"}  # a thread or friction that is all new
             sheet[part] = own if new else sheet.get(part, {}) | own
         again = assess(Sheet.of(sheet), samples=64)
-        if again.verdict in ("vibrates", "jerks") or (again.perturbed.occurs and not one["left"]):
+        if again.vibration in ("vibrates", "jerks") or (again.perturbed.occurs and not one["left"]):
             yield one["words"]
 
 
@@ -44,16 +45,16 @@ def test_what_can_be_bought_ends_the_vibration_unless_it_is_fixed():
         Sheet.of(DAMPED | {"fixed": ["thread.colour"]})
 
 
-@pytest.mark.slow
-def test_of_20_random_sheets_15_are_helped_by_what_can_be_bought():
+@pytest.mark.parametrize("seeds", sizes([], [(1005, 1007)], [range(1000, 1038)]))
+def test_of_20_random_sheets_15_are_helped_by_what_can_be_bought(seeds):
     """A damper by its size counts as one thing within a factor of two, whatever the little damping that is there."""
     helped = []
-    for own in map(OwnSheet, range(1000, 1038)):
+    for own in map(OwnSheet, seeds):
         found = as_json(assess(Sheet.of(own.written), samples=64))
-        if found["verdict"] in ("vibrates", "jerks"):
+        if found["vibration"] in ("vibrates", "jerks"):
             assert not [*failing(own.written, found)], own.written["name"]
             helped.append(any(max(step["change"] for step in one["steps"]) <= 2 for one in found["purchases"]))
-    assert (len(helped), sum(helped) >= 15) == (20, True)
+    assert sum(helped) >= 0.75 * len(helped) > 0
 
 
 @pytest.mark.parametrize("seed", range(3))
