@@ -26,7 +26,18 @@ class UndecidedError(EngineError):
 
 
 class AccumulationError(EngineError):
-    """Infinitely many events accumulate, and the model does not say what follows."""
+    """Infinitely many events accumulate, and the model does not say what follows.
+
+    Where it is raised it knows the ``time`` [s] and the ``mode``, as the engine counts it, at which the motion ended.
+    """
+
+    time, mode = 0.0, 0
+
+
+class BranchError(EngineError):
+    """No branch of a transition fits: the model does not say what follows an event; ``time`` and ``mode`` as above."""
+
+    time, mode = 0.0, 0
 
 
 class DivergenceError(EngineError):

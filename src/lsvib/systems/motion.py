@@ -8,7 +8,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from lsvib import numbers
-from lsvib.errors import AccumulationError, DivergenceError, EngineError, InputError, UndecidedError, WorkSpentError
+from lsvib.errors import (
+    AccumulationError,
+    BranchError,
+    DivergenceError,
+    EngineError,
+    InputError,
+    UndecidedError,
+    WorkSpentError,
+)
 from lsvib.systems.automaton import Automaton, Branch, Guard, Mode, Surface, Transition, assemble
 from lsvib.systems.exact.modal_form import PlanarMode, linear_mode
 from lsvib.systems.kernels import event_loop, jit
@@ -152,7 +160,11 @@ def follow(
             f"the motion takes more than {_MANY_STEPS:,} steps by its event after t = {end_time:.6g} s; shorten the "
             "duration or, if rates lie far apart, take larger inertias, or smaller stiffness and damping."
         )
-    _complain(Status(status), end_time, state, most if max_events is None else None)
+    try:
+        _complain(Status(status), end_time, state, most if max_events is None else None)
+    except (AccumulationError, BranchError) as error:
+        error.time, error.mode = end_time, int(mode)
+        raise
     columns = [np.concatenate(column) for column in zip(*pieces, strict=True)] if len(pieces) > 1 else pieces[0]
     return Motion(
         automaton, start_mode, start_state, *Events(*columns),
@@ -190,7 +202,7 @@ def _complain(status: Status, time: float, state: np.ndarray, most: int | None) 
             f"the search for the next event does not end ({where}): the rates of the mode lie too far apart."
         )
     if status == Status.NO_BRANCH:
-        raise EngineError(
+        raise BranchError(
             f"no branch of a transition fits {where}: under a friction law that grows with speed it has reached the "
             "Painlevé region, and what follows is not determined; else this is a fault of the model, please report it."
         )

@@ -157,7 +157,10 @@ def _slow(factor: list[arb], rates: list[acb]) -> bool:
 
 
 def _carried(matrix: arb_mat, factors: list[list[arb]], projectors: list[arb_mat], scale: list[float]) -> bool:
-    """True if each factor is zero on its subspace – no chain is left out – and the projectors add up to one."""
+    """True if each factor is zero on its subspace – no chain is left out – and these are projectors, in all one.
+
+    Of two equal pairs without a chain, which rounding sets apart, each has half of the identity.
+    """
     one = identity(matrix.nrows())
     sizes = [_size_of(projector, scale) for projector in projectors]
     if not _size_of(sum(projectors, -one), scale) <= _LEFT * max(sizes):
@@ -166,6 +169,8 @@ def _carried(matrix: arb_mat, factors: list[list[arb]], projectors: list[arb_mat
     for factor, projector, size in zip(factors, projectors, sizes, strict=True):
         terms = sum(abs(float(a)) * power for a, power in zip(reversed(factor), powers, strict=False))
         if not _size_of(_polynomial(factor, matrix) * projector, scale) <= _LEFT * terms * size:
+            return False
+        if not _size_of(projector * projector - projector, scale) <= _LEFT * size * size:
             return False
     return True
 

@@ -1,0 +1,477 @@
+r"""From a :class:`lsvib.systems.system.System` to the automaton that the engine runs.
+
+The coordinates are the states, the pairs cos ω t, sin ω t of harmonics, the clocks, and the *forcing's clock* where
+there are harmonics and no clock has their common period. As it returns, an event that changes nothing else, it sets all
+pairs to (1, 0), so that their rounding does not add up, and they and all clocks have multipliers zero.
+
+A surface σ = 0 divides a mode *below*, x′ = f₁ where σ < 0, from one *above*, x′ = f₂. With r_i = ∇σ·f_i, a motion on
+it goes above where r₁ ≥ 0 and r₂ > 0, below where r₁ < 0 and r₂ ≤ 0, and slides along it where r₁ > 0 > r₂; where one
+of them is zero, its next derivative decides. If Δ = f₂ − f₁ is the same all along σ = 0, sliding is a linear mode,
+
+    x′ = f₁ − (r₁ / ∇σ·Δ) Δ,
+
+which is left where r₁ or r₂ comes to zero (Filippov). One coordinate is eliminated by σ = 0, so that no chain is left.
+Where surfaces meet, modes that slide along one of them are divided by the other in the same way.
+"""
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
+from functools import cached_property, lru_cache
+from itertools import product
+from typing import Any, NamedTuple
+
+import numpy as np
+from flint import arb
+
+from lsvib.errors import EngineError, InputError
+from lsvib.systems.automaton import Automaton, Branch, Guard, Mode, Surface, Transition, assemble
+from lsvib.systems.exact.arithmetic import added, many_digits, place_of_largest
+from lsvib.systems.exact.modal_form import PlanarMode, linear_mode
+from lsvib.systems.exact.taylor_form import TaylorMode, settled_region, still_mode
+from lsvib.systems.expressions import Affine, Reader, parameters
+from lsvib.systems.kernels.law import EXPONENT, FROM, PIECE, TO
+from lsvib.systems.kernels.layout import FIRST_MODEL_KIND, Test
+
+MOST_STATES = 12  # that tests have tried, with those of the forcing
+FORCING = "phase 0"  # the forcing's clock, and the event at which it returns
+_MOST = 100  # modes and kinds of events are numbers of eight bits
+# Part of the shortest time scale below which stays, many in a row, are an accumulation: of two states nothing but the
+# sum of stays is rounded, of more a stay on a wall is the root of a difference, and so of the root of a rounding.
+_SHORT = 1e-20, 1e-6
+_ROUNDED = 1e-13  # part of a coefficient that doubles may leave of a difference which is none
+_SHARED = 64  # most periods of one forcing in a common one
+
+
+class Border(NamedTuple):
+    """A surface between two modes, its row σ, and r₁, r₂ on it; ``slides``: name of the mode of sliding, if any.
+
+    The modes may slide themselves along another surface, on which all is reduced; ``key``: the surface as it is given.
+    """
+
+    below: str
+    above: str
+    at: Affine
+    text: str
+    key: tuple[float, ...]
+    rises: tuple[Affine, Affine]
+    slides: str | None
+    crosses: bool  # whether each motion that comes to it goes through
+
+
+@dataclass(frozen=True)
+class Made:
+    """What is made from a system: its automaton, and what else has to be known to ask it.
+
+    ``modes`` by name and index; ``borders`` of the surfaces; ``own`` states; ``period`` [s] of the forcing, None
+    without one and nan where its parts have none in common; ``brief``: time [s] that is nothing but where events
+    accumulate; ``begin``: the coordinates where the forcing begins.
+    """
+
+    automaton: Automaton = field(repr=False)
+    modes: Mapping[str, int]
+    borders: tuple[Border, ...]
+    own: int
+    period: float | None
+    brief: float
+    begin: np.ndarray
+
+    @cached_property
+    def patient(self) -> Automaton:
+        """The automaton that takes only stays which are nothing for an accumulation."""
+        tables = self.automaton.tables
+        return replace(self.automaton, tables=tables._replace(shortest_stay=1e-10 * tables.shortest_stay))
+
+    @property
+    def free(self) -> int:
+        """How many multipliers a cycle has, without those that the forcing or the direction of motion give it."""
+        return self.own if self.period is not None else self.own - 1
+
+
+@lru_cache(maxsize=256)
+def made(system: Any) -> Made:
+    """Return what is made from a system; shared by all that are equal, so nobody may change it."""
+    with many_digits():
+        return _Maker(system).made()
+
+
+class _Maker:
+    def __init__(self, system: Any) -> None:
+        self.system, self.own, self.known = system, len(system.states), parameters(system.parameters)
+        self.rates = self._positive("harmonics", system.harmonics)
+        self.times = dict(zip(system.clocks, self._positive("clocks", system.clocks), strict=True))
+        self.period, self.master = _common([*(2 * arb.pi() / x for x in self.rates), *self.times.values()]), ""
+        if self.rates and self.period is not None:
+            same = (name for name, x in self.times.items() if (x - self.period).contains(0))
+            self.master = next(same, FORCING)
+            self.times.setdefault(self.master, self.period)
+        self.names = (*system.states, *(name for pair in system.harmonics for name in pair), *self.times)
+        self.n = len(self.names)
+        if self.n > MOST_STATES:
+            raise InputError(
+                f"the system has {self.n} states with those of its forcing; at most {MOST_STATES} are taken."
+            )
+        self.reader = Reader(self.names, self.known)
+        self.unit: list[Affine] = [tuple(arb(1) if i == j else 0 for j in range(self.n + 1)) for i in range(self.n + 1)]
+        self.fields = {name: self._field(f"modes.{name}", own) for name, own in system.modes.items()}
+        self.members = {name: frozenset([name]) for name in system.modes}  # the modes that meet where one slides
+        self.kinds: dict[str, int] = {}
+        self.surfaces: dict[str, Surface] = {}
+        self.transitions: dict[str, Transition] = {}
+        self.borders: list[Border] = []
+        self.slides: dict[str, list[Border]] = {}
+        self.unsure: set[str] = set()  # modes of sliding whose field nothing determines
+        self._divide()
+        self._check_links()
+
+    def _positive(self, key: str, given: Mapping[Any, Any]) -> list[arb]:
+        found = [Reader((), self.known).number(x, f"{key}.{name}") for name, x in given.items()]
+        if wrong := [name for name, x in zip(given, found, strict=True) if not x > 0]:
+            raise InputError(f"{key} = {given[wrong[0]]} of {wrong[0]} is not positive.")
+        return found
+
+    def _field(self, about: str, given: Mapping[str, Any]) -> list[Affine]:
+        if "vector" in given and "matrix" in given:
+            rows = [self.reader.affine(x, f"{about}.vector") for x in given["vector"]]
+            for i, own in enumerate(given["matrix"]):
+                for unit, x in zip(self.unit, own, strict=False):
+                    rows[i] = _plus(rows[i], scaled(unit, self.reader.number(x, f"{about}.matrix")))
+        else:
+            rows = [self.reader.affine(given[name], f"{about}.{name}") for name in self.system.states]
+        for k, rate in enumerate(self.rates):
+            cosine, sine = self.unit[self.own + 2 * k : self.own + 2 * k + 2]
+            rows += [scaled(sine, -rate), scaled(cosine, rate)]
+        return rows + [self.unit[-1] for _ in self.times]
+
+    def _check_links(self) -> None:
+        """Refuse a mode that neither an event nor a surface leads to, or from, beside others."""
+        linked = {name for own in self.system.surfaces for name in own.between}
+        for event in self.system.events:
+            linked |= {*event.mode, event.to or "", event.beyond or ""} if event.to or event.beyond else set()
+            if wrong := [name for name in (*event.mode, event.to, event.beyond) if name and name not in self.fields]:
+                raise InputError(f"an event names the mode {wrong[0]}; modes are {', '.join(self.fields)}.")
+        if alone := [name for name in self.system.modes if name not in linked and len(self.system.modes) > 1]:
+            raise InputError(f"modes.{alone[0]} is linked with no other mode, neither by an event nor by a surface.")
+
+    # Surfaces
+
+    def _divide(self) -> None:
+        """Make the borders of all surfaces, also between modes that slide along others, and the modes of sliding."""
+        rows = {}
+        for k, own in enumerate(self.system.surfaces):
+            at = self._checked(self.reader.affine(own.at, f"surfaces[{k}].at"), f"surfaces[{k}].at", own.at)
+            rows[_key(at)] = at, own.at
+            below, above = own.between
+            self._add_border(below, above, at, own.at, _key(at))
+        for one in self.borders:  # which grows on the way
+            beside = [x for x in self.borders if one.slides and x.slides and x.key == one.key]
+            for key, pair in product(rows, [(x, y) for other in beside for x, y in ((one, other), (other, one))]):
+                if key != one.key and self._linked(pair, key):
+                    (at, text), (low, high) = rows[key], (str(border.slides) for border in pair)
+                    self._add_border(low, high, _reduced(at, [one]), text, key)
+
+    def _linked(self, along: tuple[Border, Border], key: tuple[float, ...]) -> bool:
+        """Whether a surface leads from both sides of a border to those of another one that lies along it."""
+        one, other = along
+        links = {border[:2] for border in self.borders if border.key == key}
+        pairs = (one.below, other.below), (one.above, other.above)
+        led = [pair in links for pair in pairs]
+        return any(led) and all(on or a == b for on, (a, b) in zip(led, pairs, strict=True))
+
+    def _add_border(self, below: str, above: str, at: Affine, text: str, key: tuple[float, ...]) -> None:
+        if not _linear(at) or any((*x[:2], x.key) == (below, above, key) for x in self.borders):
+            return
+        first, second = self.fields[below], self.fields[above]
+        low, high = (_off(_rate(at, rows), at) for rows in (first, second))
+        jump = [_off(_plus(y, scaled(x, -1)), at) for x, y in zip(first, second, strict=True)]
+        across = _plus(high, scaled(low, -1))
+        fixed = not _apart(jump, [tuple(0 for _ in row) for row in jump], [*first, *second], _ROUNDED, self.n)
+        least = _ROUNDED * max(abs(float(x)) for row in (low, high) for x in row)
+        pushes = not (fixed or not _linear(across)) or float(across[-1]) < -least  # against each other, somewhere
+        slides = None
+        if fixed and pushes and (_linear(low) or low[-1] > 0):
+            members = self.members[below] | self.members[above]
+            slides = "|".join(name for name in self.system.modes if name in members)
+            rows = [_plus(x, scaled(low, -y[-1] / across[-1])) for x, y in zip(first, jump, strict=True)]
+            planar = self.n == 2 and rows[0] == self.unit[1]
+            rows = rows if planar else [_off(row, at) for row in rows]
+            self.members[slides], old = members, self.fields.setdefault(slides, rows)
+        border = Border(below, above, at, text, key, (low, high), slides, not pushes)
+        self.borders.append(border)
+        if slides:
+            along = self.slides.setdefault(slides, [])
+            along.append(border)
+            one, other = ([_reduced(row, along) for row in own] for own in (rows, old))
+            self.unsure |= {slides} if _apart(one, other, one, 1e-10, self.n + 1) else set()
+
+    def _on(self, border: Border, otherwise: str | None, kind: int = 0) -> list[Branch]:
+        """Branches of what is on a surface, or off it by a reset; ``otherwise``, a mode that follows if none holds."""
+        (low, high), (below, above), at, found = border.rises, border[:2], border.at, []
+
+        def branch(mode: str, *conditions: tuple[Affine, Test]) -> None:
+            what = "slides along" if mode == border.slides else "crosses"
+            found.append(Branch(mode, kind or self._kind(f"{what} {border.text}"), conditions))
+
+        branch(above, (at, Test.POSITIVE))
+        branch(below, (scaled(at, -1), Test.POSITIVE))
+        if otherwise:
+            branch(otherwise)
+            return found
+        up, down = _off(_rate(high, self.fields[above]), at), _off(_rate(low, self.fields[below]), at)
+        fall, drop = scaled(high, -1), scaled(low, -1)
+        branch(above, (high, Test.LEADS), (up, Test.POSITIVE), (low, Test.NOT_NEGATIVE))
+        branch(below, (drop, Test.LEADS), (scaled(down, -1), Test.POSITIVE), (fall, Test.NOT_NEGATIVE))
+        if border.slides and border.slides not in self.unsure:
+            along = self.slides[border.slides]
+            branch(border.slides, *(test for own in along for test in _pushed(own)))
+            for own in along:  # what slid along another surface as well lets go there
+                if own.key != border.key:
+                    branch(own.below, (scaled(own.rises[0], -1), Test.POSITIVE), *_pushed(border))
+                    branch(own.above, (own.rises[1], Test.POSITIVE), *_pushed(border))
+        return found
+
+    def _bounds(self, mode: str) -> Iterator[Guard]:
+        """Guards of surfaces beside a mode; of one that slides r₁ and r₂, and surfaces that end on this one."""
+        along, met = self.slides.get(mode, []), set()
+        for k, border in enumerate(self.borders):
+            if mode in border[:2]:
+                side, onward = (-1, border.above) if mode == border.below else (1, border.below)
+                branches = self._on(border, onward if border.crosses else None)
+                yield self._guard(f"surface {k}", border.at, side, self._transition(f"{k} {mode}", branches))
+                met.add(border.key)
+        for border, k in product(along, (0, 1)):
+            met.add(border.key)
+            if _linear(border.rises[k]):
+                onward = (border.below, border.above)[k]
+                leaves = [Branch(onward, self._kind(f"leaves {border.text}"))]
+                name = self._transition(f"{mode} to {onward}", leaves)
+                yield self._guard(name, border.rises[k], 1 - 2 * k, name)
+        for border, k in product(self.borders if along else [], (0, 1)):
+            row = _reduced(border.at, along)
+            if border[k] in self.members[mode] and border.key not in met and _linear(row):
+                name = self._transition(f"{mode} at {border.text}", [])  # what follows there is not known
+                yield self._guard(name, row, 2 * k - 1, name)
+                met.add(border.key)
+
+    # Events
+
+    def _kind(self, name: str) -> int:
+        return self.kinds.setdefault(name, FIRST_MODEL_KIND + len(self.kinds))
+
+    def _guard(self, name: str, row: Affine, side: int, transition: str) -> Guard:
+        self.surfaces.setdefault(name, Surface(row, place_of_largest([abs(float(x)) for x in row[:-1]])))
+        return Guard(name, side, transition)
+
+    def _transition(self, name: str, branches: Sequence[Branch], reset: Any = None) -> str:
+        self.transitions.setdefault(name, Transition(tuple(branches), reset))
+        return name
+
+    def _checked(self, row: Affine, about: str, text: str) -> Affine:
+        if not _linear(row):
+            raise InputError(f"{about} = {text!r} does not depend on the state there, so it is no event.")
+        return row
+
+    def _guards(self, mode: str) -> Iterator[Guard]:
+        """Guards of a mode: clocks, events, surfaces; an event that holds beside a surface does so along it."""
+        own = [(k, x) for k, x in enumerate(self.system.events) if mode in x.mode or self.members[mode] <= {*x.mode}]
+        taken: dict[Any, Any] = {}
+        for name, period in self.times.items():
+            row = (*scaled(self.unit[self.names.index(name)], -1)[:-1], period)
+            yield self._guard(f"clock {name}", row, 1, self._returns(mode, name, own))
+        for k, event in own:
+            if event.when is None:
+                continue
+            about = f"events[{k}].when"
+            row = _reduced(self.reader.comparison(event.when, about), self.slides.get(mode, []))
+            key = _key(self._checked(row, about, event.when))
+            if key in taken:
+                raise InputError(f"events[{taken[key]}] and events[{k}] happen at once in {mode}; give one for both.")
+            taken[key] = k
+            yield self._guard(f"event {k} {mode}", scaled(row, -1), 1, self._happens(mode, k, event, row))
+        yield from self._bounds(mode)
+
+    def _reset(self, given: Mapping[str, Any], about: str, clock: str = "") -> tuple[Affine, ...] | None:
+        """Return the rows of a reset; ``clock``: one that returns to zero, which may set the forcing to its begin."""
+        rows = self.unit[:-1]
+        for name, text in given.items():
+            rows[self.names.index(name)] = self.reader.affine(text, f"{about}.{name}")
+        if clock:
+            nothing = scaled(self.unit[-1], 0)
+            rows[self.names.index(clock)] = nothing
+            if clock == self.master:
+                rows[self.own : self.own + 2 * len(self.rates)] = [self.unit[-1], nothing] * len(self.rates)
+        return tuple(rows) if given or clock else None
+
+    def _returns(self, mode: str, clock: str, events: Sequence[tuple[int, Any]]) -> str:
+        """Transition of a mode in which a clock returns to zero."""
+        own = [(k, event) for k, event in events if event.at_clock == clock]
+        if len(own) > 1:
+            raise InputError(
+                f"events[{own[0][0]}] and events[{own[1][0]}] happen at once in {mode}; give one for both."
+            )
+        kind = self._kind(FORCING if clock == FORCING else f"{clock} returns")
+        if not own:
+            return self._transition(f"{clock} {mode}", [*self._into(mode, kind)], self._reset({}, "", clock))
+        k, event = own[0]
+        reset = self._reset(event.reset or {}, f"events[{k}].reset", clock)
+        return self._transition(f"{clock} {mode}", self._after(mode, event, self._kind(f"events[{k}]")), reset)
+
+    def _happens(self, mode: str, k: int, event: Any, row: Affine) -> str:
+        """Transition of an event with a condition."""
+        reset = self._reset(event.reset or {}, f"events[{k}].reset")
+        if (event.to or mode) == mode:
+            left = _off(_composed(row, reset), row) if reset else self.unit[-1]
+            if not _linear(left) and left[-1] > 0:
+                what = "lands where it happens again" if reset else "changes nothing: give a reset, or a mode to enter"
+                raise InputError(f"events[{k}] of mode {mode}, {event.when!r}, {what}.")
+        return self._transition(f"event {k} {mode}", self._after(mode, event, self._kind(str(event.when))), reset)
+
+    def _after(self, mode: str, event: Any, kind: int) -> list[Branch]:
+        if event.to or mode not in self.slides:
+            return [*self._into(event.to or mode, kind)]
+        return self._on(self.slides[mode][0], None, kind)
+
+    def _into(self, mode: str, kind: int, known: Any = (), before: tuple[str, ...] = ()) -> Iterator[Branch]:
+        """Branches into a mode, or on from it where an event that resets nothing, or a surface, is past already."""
+        for row, onward in self._outlets(mode):
+            if onward not in (mode, *before):
+                yield from self._into(onward, kind, (*known, (row, Test.POSITIVE)), (*before, mode))
+        yield Branch(mode, kind, known)
+
+    def _outlets(self, mode: str) -> Iterator[tuple[Affine, str]]:
+        """Affine functions that are positive where a mode is left at once, with the mode that follows."""
+        for k, event in enumerate(self.system.events):
+            if mode in event.mode and event.when and event.to and not event.reset:
+                yield self.reader.comparison(event.when, f"events[{k}].when"), event.to
+        for border in self.borders:
+            if mode in border[:2]:
+                yield (border.at, border.above) if mode == border.below else (scaled(border.at, -1), border.below)
+
+    # All together
+
+    def made(self) -> Made:
+        """Return what is made."""
+        flows = self._flows()
+        planar = isinstance(next(iter(flows.values())), PlanarMode)
+        self._transition("entry", [*self._into(next(iter(self.fields)), FIRST_MODEL_KIND)])
+        guards = {name: tuple(self._guards(name)) for name in self.fields}
+        if max(len(self.kinds), len(self.fields)) > _MOST:
+            raise InputError(f"the system has more than {_MOST} modes or kinds of events.")
+        beyond: dict[str, str] = {}
+        for event in self.system.events:
+            for mode in event.mode if event.beyond else ():
+                if beyond.setdefault(mode, str(event.beyond)) != event.beyond:
+                    raise InputError(f"mode {mode} goes beyond an accumulation into two modes.")
+        flows = {name: self._settling(flow, guards[name]) for name, flow in flows.items()}
+        modes = {name: Mode(k, flows[name], guards[name], beyond.get(name)) for k, name in enumerate(self.fields)}
+        scales = [float(x) for flow in flows.values() for x in flow.time_scales if 0 < x < math.inf]
+        scales += map(float, (*self.times.values(), *(1 / x for x in self.rates)))
+        index = {name: k for k, name in enumerate(self.fields)}
+        passage = [self.kinds[FORCING]] if FORCING in self.kinds else []
+        automaton = assemble(
+            self.names, self.surfaces, modes, self.transitions, {}, _SHORT[not planar] * min(scales, default=1.0),
+            events={kind: name for name, kind in self.kinds.items()},
+            marks={"held": frozenset(index[name] for name in self.slides), "passage": frozenset(passage)},
+        )  # fmt: skip
+        begin = np.zeros(self.n)
+        begin[self.own : self.own + 2 * len(self.rates) : 2] = 1.0
+        period = math.nan if self.period is None else float(self.period)
+        forced = self.rates or self.times
+        brief = _SHORT[1] * min(scales, default=1.0)
+        return Made(automaton, index, tuple(self.borders), self.own, period if forced else None, brief, begin)
+
+    def _flows(self) -> dict[str, Any]:
+        """Return the flow of each mode: one oscillator, a modal form, or where one has none a series for all."""
+        if self.n == 2 and all(rows[0] == self.unit[1] for rows in self.fields.values()):
+            signed = {name: (-x, -y, z) for name, (_, (x, y, z)) in self.fields.items()}
+            return {name: PlanarMode.of(1, y, x, z) for name, (x, y, z) in signed.items()}
+        try:
+            return {name: linear_mode(rows, [1.0] * self.n, None, "it") for name, rows in self.fields.items()}
+        except (EngineError, ArithmeticError):
+            return {name: still_mode(rows) for name, rows in self.fields.items()}
+
+    def _settling(self, flow: Any, guards: Sequence[Guard]) -> Any:
+        """Return a mode in series with the region around its equilibrium that no motion leaves, if it has one."""
+        if not isinstance(flow, TaylorMode) or self.times or not abs(np.linalg.det(flow.field[:, :-1])) > 0:
+            return flow
+        law = np.zeros((1, PIECE))  # that never ends, and of nothing
+        law[0, [FROM, TO, EXPONENT]] = -math.inf, math.inf, 1.0
+        inward = [one.sign * np.array([*map(float, self.surfaces[one.surface].row)]) for one in guards]
+        place = np.linalg.solve(flow.field[:, :-1], -flow.field[:, -1])
+        still = replace(flow, speed=np.eye(self.n + 1)[-1], pieces=law)
+        return replace(flow, settled=settled_region(still, inward, place))
+
+
+def _common(periods: Sequence[arb]) -> arb | None:
+    """Return the least common period of some, or None if there is none, or none of few of each."""
+    shares = []
+    for x in periods:
+        share = Fraction(float(x / periods[0])).limit_denominator(_SHARED)
+        if share.numerator > _SHARED or not (x * share.denominator - periods[0] * share.numerator).contains(0):
+            return None
+        shares.append(share)
+    if not shares:
+        return None
+    return periods[0] * math.lcm(*(x.numerator for x in shares)) / math.gcd(*(x.denominator for x in shares))
+
+
+def _pushed(border: Border) -> tuple[tuple[Affine, Test], ...]:
+    """Return the conditions under which both sides push onto a surface."""
+    return (border.rises[0], Test.NOT_NEGATIVE), (scaled(border.rises[1], -1), Test.NOT_NEGATIVE)
+
+
+def scaled(row: Affine, factor: Any) -> Affine:
+    """Return an affine function times a number; what is not there stays so."""
+    gone = factor.__class__ is int and not factor
+    return tuple(0 if gone or (x.__class__ is int and not x) else factor * x for x in row)
+
+
+def _plus(left: Affine, right: Affine) -> Affine:
+    return tuple(added(x, y) for x, y in zip(left, right, strict=True))
+
+
+def _rate(row: Affine, field: Sequence[Affine]) -> Affine:
+    """Return the rate of an affine function along a field."""
+    total: Affine = tuple(0 for _ in row)
+    for x, own in zip(row, field, strict=False):
+        total = _plus(total, scaled(own, x))
+    return total
+
+
+def _composed(row: Affine, reset: Sequence[Affine]) -> Affine:
+    """Return an affine function after a reset."""
+    total = _rate(row, reset)
+    return (*total[:-1], added(total[-1], row[-1]))
+
+
+def _linear(row: Affine) -> list[int]:
+    """Return the places of the coefficients of states that are there."""
+    return [i for i, x in enumerate(row[:-1]) if x.__class__ is not int or x]
+
+
+def _off(row: Affine, surface: Affine) -> Affine:
+    """Return an affine function as it is on a surface, without the coordinate that counts there most."""
+    k = max(_linear(surface), key=lambda i: (abs(float(surface[i])), -i))
+    other = _plus(row, scaled(surface, -row[k] / surface[k])) if row[k].__class__ is not int else row
+    return tuple(0 if i == k else x for i, x in enumerate(other))
+
+
+def _reduced(row: Affine, along: Sequence[Border]) -> Affine:
+    """Return an affine function as it is on some surfaces."""
+    for border in along:
+        row = _off(row, border.at)
+    return row
+
+
+def _apart(one: Any, other: Any, sizes: Sequence[Affine], least: float, columns: int) -> bool:
+    """Whether rows differ in the first columns by more than a part of the largest of some others."""
+    size = max(abs(float(x)) for row in sizes for x in row)
+    pairs = ((x, y) for a, b in zip(one, other, strict=True) for x, y in zip(a[:columns], b[:columns], strict=True))
+    return any(abs(float(x) - float(y)) > least * size for x, y in pairs)
+
+
+def _key(row: Affine) -> tuple[float, ...]:
+    """Return what affine functions with one zero set, and one sign, have in common."""
+    size = max(abs(float(row[i])) for i in _linear(row))
+    return tuple(float(f"{float(x) / size:.12e}") + 0.0 for x in row)

@@ -1,0 +1,329 @@
+"""Motions of a system of one's own, what they end on, and its cycles."""
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from enum import StrEnum
+from typing import Any
+
+import numpy as np
+
+from lsvib import numbers
+from lsvib.errors import AccumulationError, BranchError, EngineError, InputError, WorkSpentError
+from lsvib.numbers import names_and_values, shown
+from lsvib.systems import attractor
+from lsvib.systems.assembly import Made, made
+from lsvib.systems.attractor import Attractor, Doubt, SteadyState
+from lsvib.systems.cycles import Cycle, cycle_on, same_cycle
+from lsvib.systems.kernels.layout import ACCUMULATION_KIND, Events, Status
+from lsvib.systems.motion import Budget, Motion, follow
+from lsvib.systems.section import Section
+from lsvib.systems.system import System
+
+
+class Label(StrEnum):
+    """What a motion of a system ends on."""
+
+    EQUILIBRIUM = "equilibrium"
+    CYCLE = "cycle"
+    FAMILY = "family"  # oscillations side by side, none attracting the others
+    UNBOUNDED = "unbounded"
+    UNRESOLVED = "unresolved"
+
+
+# Part of the first stays on a wall of those whose roots rounding moves: a time is lost by it, over the speed there.
+_NOISY = 1e-4
+_ROUNDS = 20  # of accumulations, after each of which the end of a motion is asked for anew
+_EXPLAINED = 20_000  # work, in events, that it may take to say why an end is unresolved
+_LABELS = {
+    Attractor.STEADY_SLIDING: Label.EQUILIBRIUM,
+    Attractor.REST: Label.EQUILIBRIUM,
+    Attractor.NEUTRAL_FAMILY: Label.FAMILY,
+    Attractor.UNBOUNDED: Label.UNBOUNDED,
+    Attractor.UNRESOLVED: Label.UNRESOLVED,
+}
+
+
+@dataclass(frozen=True)
+class End:
+    """What a motion ends on.
+
+    ``state`` by name: the equilibrium, or a state of the cycle; ``mode`` in which it has that. A cycle also has its
+    ``period`` [s], ``turns``, that as a multiple of the forcing's (0 without), ``multipliers`` [1], the largest first,
+    of the states without those of forcing and clocks, ``multiplier_error``, a bound of their errors, and ``orbit``, one
+    period. A family has an ``orbit`` if it has a period. ``doubt`` says why an end is unresolved, ``reason`` in words.
+    """
+
+    label: Label
+    mode: str
+    state: Mapping[str, float]
+    cycle: Cycle | None = field(default=None, repr=False, compare=False)
+    orbit: Motion | None = field(default=None, repr=False, compare=False)
+    turns: int = 0
+    multipliers: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    multiplier_error: float = math.nan
+    doubt: Doubt | None = None
+    reason: str = ""
+
+    @property
+    def period(self) -> float:
+        """Period [s]; nan for what has none."""
+        return self.orbit.end_time if self.orbit else math.nan
+
+
+def start_of(system: System, mode: str, state: Mapping[str, Any] | None = None) -> tuple[int, np.ndarray]:
+    """Return the mode of a start, as the engine counts it, and all coordinates (n); missing states are zero.
+
+    Clocks begin at zero unless they are given, harmonics at phase 0. A start beyond a surface is in the mode there, and
+    an event whose condition holds already happens at once. ``InputError`` for one that is no start.
+    """
+    own, given = made(system), names_and_values("start", state)
+    if mode not in own.modes:
+        raise InputError(f"{shown(mode)} is no mode of the system; modes are {', '.join(own.modes)}.")
+    names, found = own.automaton.states, own.begin.copy()
+    for name, value in given.items():
+        if name not in system.states and name not in system.clocks:
+            known = ", ".join([*system.states, *system.clocks])
+            raise InputError(f"start has the unknown name {shown(name)}; known are {known}.")
+        found[names.index(name)] = numbers.start(f"start {name}", value)
+    return own.modes[_beside(own, mode, found)], found
+
+
+def _beside(own: Made, mode: str, state: np.ndarray) -> str:
+    """Return the mode on the side of the surfaces on which a state lies."""
+    for border in (border for _ in own.modes for border in own.borders):
+        rows = np.array([[*map(float, row)] for row in (border.at, *border.rises)])
+        value, low, high = rows @ np.append(state, 1.0)
+        if mode not in (border.below, border.above, border.slides):
+            continue
+        if value == 0 and low < 0 < high:
+            raise InputError(
+                f"the start lies on the surface {border.text}, which motions leave to both sides; move it a little."
+            )
+        mode = mode if value == 0 else border.below if value < 0 else border.above
+    return mode
+
+
+def motion(
+    system: System, mode: str, state: Mapping[str, Any] | None, t_end: Any, budget: Budget | None = None
+) -> Motion:
+    """Follow the motion of a system from a start to ``t_end`` [s], which may be infinite if it settles.
+
+    Where events accumulate, what follows begins at the limit of their times. Raises ``EngineError`` in words of the
+    system where nothing is said of what follows.
+    """
+    own, t_end = made(system), numbers.number(t_end)
+    number, place = start_of(system, mode, state)
+    pieces: list[Motion] = []
+    now, automaton = 0.0, own.automaton
+    while True:
+        try:
+            stop = ACCUMULATION_KIND, -1
+            piece = follow(automaton, place, max(t_end - now, 0.0), mode=number, stop=stop, budget=budget)
+        except (AccumulationError, BranchError) as error:
+            if automaton is own.patient or isinstance(error, BranchError) or _events_to(own, number, place, error)[1]:
+                raise _in_words(own, number, place, now, error) from None
+            automaton = own.patient
+            continue
+        if piece.status != Status.STOP_EVENT:
+            return _joined(own, [*pieces, replace(piece, start_time=now)])
+        limit = _limit(piece.time, piece.after)
+        if limit is None or limit[0] + now >= t_end:  # these events are many, and no more; or it ends among them
+            if automaton is not own.patient:
+                automaton = own.patient
+                continue
+            limit = float(piece.end_time), piece.end_state
+        kept = np.append(piece.time[:-1] < limit[0], True)
+        piece.time[-1], piece.before[-1], piece.after[-1] = limit[0], limit[1], limit[1]
+        columns: dict[str, Any] = {name: getattr(piece, name)[kept] for name in Events._fields}
+        pieces.append(replace(piece, start_time=now, **columns))
+        now, number, place, automaton = now + limit[0], piece.end_mode, limit[1], own.automaton
+
+
+def _joined(own: Made, pieces: list[Motion]) -> Motion:
+    """Return motions, each of which begins at its start time where the one before ends, as one."""
+    first, last = pieces[0], pieces[-1]
+    columns: dict[str, Any] = {name: np.concatenate([getattr(one, name) for one in pieces]) for name in Events._fields}
+    columns["time"] = np.concatenate([one.start_time + one.time for one in pieces])
+    end = last.start_time + last.end_time
+    return replace(last, automaton=own.automaton, start_time=0.0, start_mode=first.start_mode,
+                   start_state=first.start_state, end_time=end, **columns)  # fmt: skip
+
+
+def _limit(times: np.ndarray, states: np.ndarray) -> tuple[float, np.ndarray] | None:
+    """Return time [s] and state where events accumulate whose stays shrink geometrically; None if they do not.
+
+    A turn may have up to six events. With the ratio q of two turns the rest is q / (1 − q) times the last one (Aitken);
+    it is taken where it changes least, between turns that are too long and those that rounding shortens.
+    """
+    for events in range(1, 7 if times.size > 8 else 1):
+        k = np.arange(times.size - 1, -1, -events)[::-1]
+        stays = np.diff(times[k])
+        with np.errstate(all="ignore"):
+            ratio = stays[1:] / stays[:-1]
+            steady = (ratio > 0) & (ratio < 0.9999)
+            steady[1:] &= np.abs(ratio[1:] / ratio[:-1] - 1) < 0.01
+            rest = ratio / (1 - ratio)
+            limits = times[k[2:]] + stays[1:] * rest
+        good = np.flatnonzero(steady[1:] & steady[:-1]) + 1
+        good = good[stays[1 + good] > _NOISY * stays[1 + good].max(initial=0.0)]
+        left = times[-1] - times[k[2 + good]]
+        good = good[np.abs(limits[good] - times[-1]) < 1e-2 * left]  # of these events, not of earlier ones
+        if good.size < 6:
+            continue
+        best = good[np.argmin(np.abs(limits[good] - limits[good - 1]))]
+        last, before = states[k[2 + best]], states[k[1 + best]]
+        place, size = last + (last - before) * rest[best], np.abs(states[k]).max(axis=0)
+        return float(limits[best]), np.where(np.abs(place) > 1e-9 * size, place, 0.0)
+    return None
+
+
+def _events_to(
+    own: Made, mode: int, place: np.ndarray, error: AccumulationError | BranchError
+) -> tuple[Motion | None, Any]:
+    """Return the motion up to where the engine had no answer, and the limit of its events if they accumulate."""
+    try:
+        before = follow(own.patient, place, error.time * (1 - 1e-12), mode=mode)
+    except (AccumulationError, BranchError):
+        return None, None
+    return before, _limit(before.time, before.after)
+
+
+def _in_words(
+    own: Made, mode: int, place: np.ndarray, begun: float, error: AccumulationError | BranchError
+) -> EngineError:
+    """Say what a motion has come to of which the system does not say what follows."""
+    names, (before, limit) = own.automaton.modes, _events_to(own, mode, place, error)
+    last = names[before.end_mode if before else mode]
+    here, where = names.get(error.mode, last), f"at t = {begun + error.time:.6g} s"
+    if isinstance(error, BranchError):
+        on = [border for border in own.borders if here in (border.below, border.above, border.slides)]
+        if len(on) == 1 and here != on[0].slides:
+            return EngineError(
+                f"the motion would slide along {on[0].text} {where}, but the derivative does not jump by the same "
+                f"all along it, so that {on[0].below} and {on[0].above} determine no linear motion there."
+            )
+        texts = " or ".join(border.text for border in on)
+        return EngineError(f"the motion from mode {here} meets two surfaces at once {where} ({texts} = 0).")
+    if limit is None:
+        return EngineError(f"events follow each other {where} without end and without time, from mode {last} on.")
+    return AccumulationError(
+        f"infinitely many events accumulate at t = {begun + limit[0]:.15g} s in mode {last}, and the system does not "
+        "say what follows: an event with beyond names the mode."
+    )
+
+
+def end_of(system: System, mode: str, state: Mapping[str, Any] | None = None, max_events: int = 300_000) -> End:
+    """Return what the motion from a start ends on."""
+    own = made(system)
+    number, place = start_of(system, mode, state)
+    if own.period is not None and math.isnan(own.period):
+        raise InputError("harmonics and clocks of the system have no common period, so that no motion of it repeats.")
+    for _ in range(_ROUNDS):
+        steady = attractor.steady_state(own.automaton, place, mode=number, max_events=max_events)
+        brief = steady.orbit is not None and steady.orbit.end_time < own.brief
+        if not brief and steady.doubt != Doubt.ACCUMULATION:
+            break
+        try:
+            piece = follow(own.automaton, place, math.inf, mode=number, stop=(ACCUMULATION_KIND, -1))
+            limit = _limit(piece.time, piece.after)
+        except AccumulationError as error:
+            piece, limit = None, _events_to(own, number, place, error)[1]
+        if limit is None:  # very many events, and no more
+            steady = attractor.steady_state(own.patient, place, mode=number, max_events=max_events)
+            break
+        if piece is None:
+            end = End(Label.UNRESOLVED, "", _named(own, limit[1]), doubt=Doubt.ACCUMULATION)
+            return _explained(system, mode, state, end)
+        number, place = piece.end_mode, limit[1]
+    if _LABELS.get(steady.label) == Label.EQUILIBRIUM:
+        return _still(own, motion(system, mode, state, math.inf))
+    end = end_from(own, steady)
+    return end if end.doubt is None else _explained(system, mode, state, end)
+
+
+def _explained(system: System, mode: str, state: Mapping[str, Any] | None, end: End) -> End:
+    """Return an unresolved end with the sentence in which its motion ends, if it does."""
+    try:
+        motion(system, mode, state, math.inf, Budget(_EXPLAINED))
+    except WorkSpentError:
+        return replace(end, reason=str(end.doubt))
+    except EngineError as error:
+        return replace(end, reason=str(error))
+    return replace(end, reason=str(end.doubt))
+
+
+def end_from(own: Made, steady: SteadyState) -> End:
+    """Return an end from what the rule found."""
+    label, orbit = _LABELS.get(steady.label, Label.CYCLE), steady.orbit
+    if label == Label.CYCLE and orbit:
+        cycle = _solved(steady, orbit)
+        if cycle is None:
+            return End(Label.UNRESOLVED, "", _named(own, steady.state), doubt=Doubt.ENGINE)
+        return end_of_cycle(own, cycle)
+    mode = own.automaton.modes[orbit.start_mode] if orbit else ""
+    return End(label, mode, _named(own, steady.state), orbit=orbit, doubt=steady.doubt)
+
+
+def _solved(steady: SteadyState, orbit: Motion) -> Cycle | None:
+    """Return the cycle that a motion ends on, solved again; its size is that of the orbit, which has few events."""
+    key = int(orbit.kind[-1]), int(orbit.end_mode)
+    size = np.abs(orbit.at(np.linspace(0.0, orbit.end_time, 64))[0]).max(axis=0)
+    size = np.where(size > 0, size, 1.0)
+    return cycle_on(Section(orbit.automaton, key, steady.state, size, steady.returns, 2 * orbit.end_time), "start")
+
+
+def end_of_cycle(own: Made, cycle: Cycle) -> End:
+    """Return a cycle as an end, attracting or not."""
+    return End(
+        Label.CYCLE, own.automaton.modes[cycle.orbit.start_mode], _named(own, cycle.state), cycle, cycle.orbit,
+        turns=round(cycle.period / own.period) if own.period else 0,
+        multipliers=cycle.multipliers[: own.free], multiplier_error=cycle.multiplier_error,
+    )  # fmt: skip
+
+
+def _still(own: Made, last: Motion) -> End:
+    """Return where a motion that stays in its last mode for ever ends: rates of zero keep where it is, or it drifts.
+
+    That is the projection on what the flow keeps, along all that it changes.
+    """
+    mode, field = own.automaton.modes[last.end_mode], own.automaton.flow.field[last.end_mode]
+    start = np.append(last.end_state, 1.0)
+    if not (field @ start).any():
+        return End(Label.EQUILIBRIUM, mode, _named(own, last.end_state))
+    left, values, right = np.linalg.svd(np.vstack([field, 0 * start]))
+    none = values <= 1e-13 * values[0]
+    stay, kept = right[none].T, left[:, none]
+    across = kept.T @ stay  # singular where what is kept grows in proportion to time
+    if not np.linalg.cond(across) < 1e10:
+        return End(Label.UNBOUNDED, mode, _named(own, last.end_state))
+    return End(Label.EQUILIBRIUM, mode, _named(own, (stay @ np.linalg.solve(across, kept.T @ start))[:-1]))
+
+
+def _named(own: Made, state: np.ndarray) -> dict[str, float]:
+    names = [name for name in own.automaton.states if name.isidentifier()]
+    return dict(zip(names, state.tolist(), strict=False))
+
+
+def search(
+    system: System, starts: Iterable[tuple[str, Mapping[str, Any]]], max_events: int = 300_000
+) -> tuple[list[End], list[int]]:
+    """Return what motions from starts – mode and state – end on, each once, and which of it each start ends on."""
+    found: list[End] = []
+    numbers_of_ends = []
+    for mode, state in starts:
+        end = end_of(system, mode, state, max_events)
+        same = [k for k, other in enumerate(found) if _same(end, other)]
+        numbers_of_ends.append(same[0] if same else len(found))
+        found += [] if same else [end]
+    return found, numbers_of_ends
+
+
+def _same(one: End, other: End) -> bool:
+    """Whether two ends are one; of those without a cycle or an equilibrium all that are unresolved for one reason."""
+    if (one.label, one.mode, one.doubt) != (other.label, other.mode, other.doubt) and not (one.cycle and other.cycle):
+        return False
+    if one.cycle and other.cycle:
+        return same_cycle(one.cycle, other.cycle)
+    places = np.array([[*end.state.values()] for end in (one, other)])
+    return one.label != Label.EQUILIBRIUM or bool(np.ptp(places, axis=0).max() <= 1e-7 * np.abs(places).max())
