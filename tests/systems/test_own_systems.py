@@ -42,6 +42,14 @@ STOPS = System(
 )  # fmt: skip
 
 
+SIGNS = {"m": 1, "p": -1}
+TWO = System(
+    states=["x", "y"], modes={a + b: {"x": SIGNS[a], "y": SIGNS[b]} for a in "mp" for b in "mp"},
+    surfaces=[{"between": [f"m{b}", f"p{b}"], "at": "x"} for b in "mp"]
+    + [{"between": [f"{a}m", f"{a}p"], "at": "y"} for a in "mp"],
+)  # fmt: skip
+
+
 def relay(plant, h=None):
     """A relay around a plant of three states in companion form, which switches at zero or, with hysteresis, at ±h."""
     modes = {name: {"x": "y", "y": "z", "z": f"{plant} {sign} 1"} for name, sign in (("low", "+"), ("high", "-"))}
@@ -135,28 +143,6 @@ def test_the_circuit_of_chua_is_one_field_in_three_pieces(numbers):
     assert [*made(chua).modes] == ["left", "middle", "right"]
     end = end_of(chua, "middle", {"x": 0.1})
     assert end.multipliers == pytest.approx([-0.1405666 + 0.1336526j, -0.1405666 - 0.1336526j], abs=1e-7)
-
-
-def block(number, law):
-    own = {"m": "+", "p": "-"}[law]
-    return {f"x{number}": f"v{number}", f"v{number}": f"-1.02*x{number} {own} 0.5 + (0.8 + 0.2*{number})*c"}
-
-
-def test_blocks_that_know_nothing_of_each_other_slide_and_stop_as_each_does_alone():
-    """Also both at once; their equal rates have no modal form."""
-    modes = {a + b: block(1, a) | block(2, b) for a in "mp" for b in "mp"}
-    surfaces = [{"between": [f"m{b}", f"p{b}"], "at": "v1"} for b in "mp"]
-    surfaces += [{"between": [f"{a}m", f"{a}p"], "at": "v2"} for a in "mp"]
-    rest = dict(harmonics={"c, s": 0.4})
-    both = System(states=["x1", "v1", "x2", "v2"], modes=modes, surfaces=surfaces, **rest)
-    run, met = motion(both, "mm", {"x1": 0.3, "x2": 1.7}, 60), made(both).automaton.modes
-    assert "mm|mp|pm|pp" in {met[k] for k in run.mode}
-    for number, start in ((1, 0.3), (2, 1.7)):
-        x, v = f"x{number}", f"v{number}"
-        modes = {law: block(number, law) for law in "mp"}
-        alone = System(states=[x, v], modes=modes, surfaces=[{"between": ["m", "p"], "at": v}], **rest)
-        own = motion(alone, "m", {x: start}, 60).end_state[:2]
-        assert run.end_state[2 * number - 2 : 2 * number] == pytest.approx(own, abs=1e-12)
 
 
 def test_ends_without_a_cycle():
@@ -290,6 +276,7 @@ def test_motions_without_an_answer_end_in_one_sentence():
         (System(states=["x", "y"], modes={"a": {"x": 1, "y": "y"}, "b": {"x": "-1 - y", "y": 0}},
                 surfaces=[{"between": ["a", "b"], "at": "x"}]), "a", {"x": -1}, r"would slide along x at t = 1 s, but"),
         (System(states=["x"], modes=BOTH, surfaces=[{"between": ["b", "a"], "at": "x"}]), "a", {}, "to both sides"),
+        (TWO, "mm", {"x": -0.5, "y": -1}, r"from mode mm\|pm meets two surfaces at once at t = 1 s"),
         (STOPS, "away", {}, "'away' is no mode"), (STOPS, "back", {"c": 1}, "unknown name 'c'; known are x, v"),
         (STOPS, "back", {"x": math.inf}, "x = inf is outside"),
     ]  # fmt: skip

@@ -11,14 +11,14 @@ of them is zero, its next derivative decides. If Δ = f₂ − f₁ is the same 
     x′ = f₁ − (r₁ / ∇σ·Δ) Δ,
 
 which is left where r₁ or r₂ comes to zero (Filippov). One coordinate is eliminated by σ = 0, so that no chain is left.
-Where surfaces meet, modes that slide along one of them are divided by the other in the same way.
+What follows where a mode that slides meets another surface is not determined: its motions end there in a sentence.
 """
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
-from functools import cached_property, lru_cache
+from functools import lru_cache
 from itertools import product
 from typing import Any, NamedTuple
 
@@ -45,16 +45,12 @@ _SHARED = 64  # most periods of one forcing in a common one
 
 
 class Border(NamedTuple):
-    """A surface between two modes, its row σ, and r₁, r₂ on it; ``slides``: name of the mode of sliding, if any.
-
-    The modes may slide themselves along another surface, on which all is reduced; ``key``: the surface as it is given.
-    """
+    """A surface between two modes, its row σ, and r₁, r₂ on it; ``slides``: name of the mode of sliding, if any."""
 
     below: str
     above: str
     at: Affine
     text: str
-    key: tuple[float, ...]
     rises: tuple[Affine, Affine]
     slides: str | None
     crosses: bool  # whether each motion that comes to it goes through
@@ -76,12 +72,6 @@ class Made:
     period: float | None
     brief: float
     begin: np.ndarray
-
-    @cached_property
-    def patient(self) -> Automaton:
-        """The automaton that takes only stays which are nothing for an accumulation."""
-        tables = self.automaton.tables
-        return replace(self.automaton, tables=tables._replace(shortest_stay=1e-10 * tables.shortest_stay))
 
     @property
     def free(self) -> int:
@@ -115,13 +105,11 @@ class _Maker:
         self.reader = Reader(self.names, self.known)
         self.unit: list[Affine] = [tuple(arb(1) if i == j else 0 for j in range(self.n + 1)) for i in range(self.n + 1)]
         self.fields = {name: self._field(f"modes.{name}", own) for name, own in system.modes.items()}
-        self.members = {name: frozenset([name]) for name in system.modes}  # the modes that meet where one slides
         self.kinds: dict[str, int] = {}
         self.surfaces: dict[str, Surface] = {}
         self.transitions: dict[str, Transition] = {}
         self.borders: list[Border] = []
-        self.slides: dict[str, list[Border]] = {}
-        self.unsure: set[str] = set()  # modes of sliding whose field nothing determines
+        self.slides: dict[str, Border] = {}
         self._divide()
         self._check_links()
 
@@ -157,53 +145,29 @@ class _Maker:
     # Surfaces
 
     def _divide(self) -> None:
-        """Make the borders of all surfaces, also between modes that slide along others, and the modes of sliding."""
-        rows = {}
+        """Make the borders of all surfaces, and the modes of sliding."""
         for k, own in enumerate(self.system.surfaces):
-            at = self._checked(self.reader.affine(own.at, f"surfaces[{k}].at"), f"surfaces[{k}].at", own.at)
-            rows[_key(at)] = at, own.at
-            below, above = own.between
-            self._add_border(below, above, at, own.at, _key(at))
-        for one in self.borders:  # which grows on the way
-            beside = [x for x in self.borders if one.slides and x.slides and x.key == one.key]
-            for key, pair in product(rows, [(x, y) for other in beside for x, y in ((one, other), (other, one))]):
-                if key != one.key and self._linked(pair, key):
-                    (at, text), (low, high) = rows[key], (str(border.slides) for border in pair)
-                    self._add_border(low, high, _reduced(at, [one]), text, key)
+            about, (below, above) = f"surfaces[{k}].at", own.between
+            self._add_border(below, above, self._checked(self.reader.affine(own.at, about), about, own.at), own.at)
 
-    def _linked(self, along: tuple[Border, Border], key: tuple[float, ...]) -> bool:
-        """Whether a surface leads from both sides of a border to those of another one that lies along it."""
-        one, other = along
-        links = {border[:2] for border in self.borders if border.key == key}
-        pairs = (one.below, other.below), (one.above, other.above)
-        led = [pair in links for pair in pairs]
-        return any(led) and all(on or a == b for on, (a, b) in zip(led, pairs, strict=True))
-
-    def _add_border(self, below: str, above: str, at: Affine, text: str, key: tuple[float, ...]) -> None:
-        if not _linear(at) or any((*x[:2], x.key) == (below, above, key) for x in self.borders):
-            return
+    def _add_border(self, below: str, above: str, at: Affine, text: str) -> None:
         first, second = self.fields[below], self.fields[above]
         low, high = (_off(_rate(at, rows), at) for rows in (first, second))
         jump = [_off(_plus(y, scaled(x, -1)), at) for x, y in zip(first, second, strict=True)]
         across = _plus(high, scaled(low, -1))
-        fixed = not _apart(jump, [tuple(0 for _ in row) for row in jump], [*first, *second], _ROUNDED, self.n)
+        size = max(abs(float(x)) for row in (*first, *second) for x in row)
+        fixed = all(abs(float(x)) <= _ROUNDED * size for row in jump for x in row[:-1])
         least = _ROUNDED * max(abs(float(x)) for row in (low, high) for x in row)
         pushes = not (fixed or not _linear(across)) or float(across[-1]) < -least  # against each other, somewhere
-        slides = None
-        if fixed and pushes and (_linear(low) or low[-1] > 0):
-            members = self.members[below] | self.members[above]
-            slides = "|".join(name for name in self.system.modes if name in members)
+        slides = f"{below}|{above}" if fixed and pushes and (_linear(low) or low[-1] > 0) else None
+        border = Border(below, above, at, text, (low, high), slides, not pushes)
+        if slides:
+            if slides in self.fields:
+                raise InputError(f"two surfaces lie between {below} and {above}, which has to be one; take more modes.")
             rows = [_plus(x, scaled(low, -y[-1] / across[-1])) for x, y in zip(first, jump, strict=True)]
             planar = self.n == 2 and rows[0] == self.unit[1]
-            rows = rows if planar else [_off(row, at) for row in rows]
-            self.members[slides], old = members, self.fields.setdefault(slides, rows)
-        border = Border(below, above, at, text, key, (low, high), slides, not pushes)
+            self.fields[slides], self.slides[slides] = rows if planar else [_off(row, at) for row in rows], border
         self.borders.append(border)
-        if slides:
-            along = self.slides.setdefault(slides, [])
-            along.append(border)
-            one, other = ([_reduced(row, along) for row in own] for own in (rows, old))
-            self.unsure |= {slides} if _apart(one, other, one, 1e-10, self.n + 1) else set()
 
     def _on(self, border: Border, otherwise: str | None, kind: int = 0) -> list[Branch]:
         """Branches of what is on a surface, or off it by a reset; ``otherwise``, a mode that follows if none holds."""
@@ -222,37 +186,28 @@ class _Maker:
         fall, drop = scaled(high, -1), scaled(low, -1)
         branch(above, (high, Test.LEADS), (up, Test.POSITIVE), (low, Test.NOT_NEGATIVE))
         branch(below, (drop, Test.LEADS), (scaled(down, -1), Test.POSITIVE), (fall, Test.NOT_NEGATIVE))
-        if border.slides and border.slides not in self.unsure:
-            along = self.slides[border.slides]
-            branch(border.slides, *(test for own in along for test in _pushed(own)))
-            for own in along:  # what slid along another surface as well lets go there
-                if own.key != border.key:
-                    branch(own.below, (scaled(own.rises[0], -1), Test.POSITIVE), *_pushed(border))
-                    branch(own.above, (own.rises[1], Test.POSITIVE), *_pushed(border))
+        if border.slides:
+            branch(border.slides, (low, Test.NOT_NEGATIVE), (fall, Test.NOT_NEGATIVE))
         return found
 
     def _bounds(self, mode: str) -> Iterator[Guard]:
         """Guards of surfaces beside a mode; of one that slides r₁ and r₂, and surfaces that end on this one."""
-        along, met = self.slides.get(mode, []), set()
+        own = self.slides.get(mode)
         for k, border in enumerate(self.borders):
             if mode in border[:2]:
                 side, onward = (-1, border.above) if mode == border.below else (1, border.below)
                 branches = self._on(border, onward if border.crosses else None)
                 yield self._guard(f"surface {k}", border.at, side, self._transition(f"{k} {mode}", branches))
-                met.add(border.key)
-        for border, k in product(along, (0, 1)):
-            met.add(border.key)
-            if _linear(border.rises[k]):
-                onward = (border.below, border.above)[k]
-                leaves = [Branch(onward, self._kind(f"leaves {border.text}"))]
-                name = self._transition(f"{mode} to {onward}", leaves)
-                yield self._guard(name, border.rises[k], 1 - 2 * k, name)
-        for border, k in product(self.borders if along else [], (0, 1)):
-            row = _reduced(border.at, along)
-            if border[k] in self.members[mode] and border.key not in met and _linear(row):
-                name = self._transition(f"{mode} at {border.text}", [])  # what follows there is not known
+        for k in (0, 1) if own else ():
+            if own and _linear(own.rises[k]):
+                onward = (own.below, own.above)[k]
+                name = f"{mode} to {onward}"
+                self._transition(name, [Branch(onward, self._kind(f"leaves {own.text}"))])
+                yield self._guard(name, own.rises[k], 1 - 2 * k, name)
+        for border, k in product(self.borders if own else [], (0, 1)):
+            if own and border is not own and border[k] in own[:2] and _linear(row := _off(border.at, own.at)):
+                name = self._transition(f"{mode} at {border.text} of {border[k]}", [])  # what follows is not known
                 yield self._guard(name, row, 2 * k - 1, name)
-                met.add(border.key)
 
     # Events
 
@@ -274,7 +229,12 @@ class _Maker:
 
     def _guards(self, mode: str) -> Iterator[Guard]:
         """Guards of a mode: clocks, events, surfaces; an event that holds beside a surface does so along it."""
-        own = [(k, x) for k, x in enumerate(self.system.events) if mode in x.mode or self.members[mode] <= {*x.mode}]
+        slides = self.slides.get(mode)
+        own = [
+            (k, event)
+            for k, event in enumerate(self.system.events)
+            if mode in event.mode or (slides and {*slides[:2]} <= {*event.mode})
+        ]
         taken: dict[Any, Any] = {}
         for name, period in self.times.items():
             row = (*scaled(self.unit[self.names.index(name)], -1)[:-1], period)
@@ -283,7 +243,8 @@ class _Maker:
             if event.when is None:
                 continue
             about = f"events[{k}].when"
-            row = _reduced(self.reader.comparison(event.when, about), self.slides.get(mode, []))
+            row = self.reader.comparison(event.when, about)
+            row = _off(row, slides.at) if slides else row
             key = _key(self._checked(row, about, event.when))
             if key in taken:
                 raise InputError(f"events[{taken[key]}] and events[{k}] happen at once in {mode}; give one for both.")
@@ -330,7 +291,7 @@ class _Maker:
     def _after(self, mode: str, event: Any, kind: int) -> list[Branch]:
         if event.to or mode not in self.slides:
             return [*self._into(event.to or mode, kind)]
-        return self._on(self.slides[mode][0], None, kind)
+        return self._on(self.slides[mode], None, kind)
 
     def _into(self, mode: str, kind: int, known: Any = (), before: tuple[str, ...] = ()) -> Iterator[Branch]:
         """Branches into a mode, or on from it where an event that resets nothing, or a surface, is past already."""
@@ -416,11 +377,6 @@ def _common(periods: Sequence[arb]) -> arb | None:
     return periods[0] * math.lcm(*(x.numerator for x in shares)) / math.gcd(*(x.denominator for x in shares))
 
 
-def _pushed(border: Border) -> tuple[tuple[Affine, Test], ...]:
-    """Return the conditions under which both sides push onto a surface."""
-    return (border.rises[0], Test.NOT_NEGATIVE), (scaled(border.rises[1], -1), Test.NOT_NEGATIVE)
-
-
 def scaled(row: Affine, factor: Any) -> Affine:
     """Return an affine function times a number; what is not there stays so."""
     gone = factor.__class__ is int and not factor
@@ -455,20 +411,6 @@ def _off(row: Affine, surface: Affine) -> Affine:
     k = max(_linear(surface), key=lambda i: (abs(float(surface[i])), -i))
     other = _plus(row, scaled(surface, -row[k] / surface[k])) if row[k].__class__ is not int else row
     return tuple(0 if i == k else x for i, x in enumerate(other))
-
-
-def _reduced(row: Affine, along: Sequence[Border]) -> Affine:
-    """Return an affine function as it is on some surfaces."""
-    for border in along:
-        row = _off(row, border.at)
-    return row
-
-
-def _apart(one: Any, other: Any, sizes: Sequence[Affine], least: float, columns: int) -> bool:
-    """Whether rows differ in the first columns by more than a part of the largest of some others."""
-    size = max(abs(float(x)) for row in sizes for x in row)
-    pairs = ((x, y) for a, b in zip(one, other, strict=True) for x, y in zip(a[:columns], b[:columns], strict=True))
-    return any(abs(float(x) - float(y)) > least * size for x, y in pairs)
 
 
 def _key(row: Affine) -> tuple[float, ...]:

@@ -14,10 +14,9 @@ from lsvib.numbers import names_and_values, shown
 from lsvib.systems import attractor
 from lsvib.systems.assembly import Made, made
 from lsvib.systems.attractor import Attractor, Doubt, SteadyState
-from lsvib.systems.cycles import Cycle, cycle_on, same_cycle
+from lsvib.systems.cycles import Cycle, cycle_of, same_cycle
 from lsvib.systems.kernels.layout import ACCUMULATION_KIND, Events, Status
 from lsvib.systems.motion import Budget, Motion, follow
-from lsvib.systems.section import Section
 from lsvib.systems.system import System
 
 
@@ -115,87 +114,66 @@ def motion(
     own, t_end = made(system), numbers.number(t_end)
     number, place = start_of(system, mode, state)
     pieces: list[Motion] = []
-    now, automaton = 0.0, own.automaton
-    while True:
-        try:
-            stop = ACCUMULATION_KIND, -1
-            piece = follow(automaton, place, max(t_end - now, 0.0), mode=number, stop=stop, budget=budget)
-        except (AccumulationError, BranchError) as error:
-            if automaton is own.patient or isinstance(error, BranchError) or _events_to(own, number, place, error)[1]:
-                raise _in_words(own, number, place, now, error) from None
-            automaton = own.patient
-            continue
-        if piece.status != Status.STOP_EVENT:
-            return _joined(own, [*pieces, replace(piece, start_time=now)])
-        limit = _limit(piece.time, piece.after)
-        if limit is None or limit[0] + now >= t_end:  # these events are many, and no more; or it ends among them
-            if automaton is not own.patient:
-                automaton = own.patient
-                continue
-            limit = float(piece.end_time), piece.end_state
-        kept = np.append(piece.time[:-1] < limit[0], True)
-        piece.time[-1], piece.before[-1], piece.after[-1] = limit[0], limit[1], limit[1]
-        columns: dict[str, Any] = {name: getattr(piece, name)[kept] for name in Events._fields}
-        pieces.append(replace(piece, start_time=now, **columns))
-        now, number, place, automaton = now + limit[0], piece.end_mode, limit[1], own.automaton
-
-
-def _joined(own: Made, pieces: list[Motion]) -> Motion:
-    """Return motions, each of which begins at its start time where the one before ends, as one."""
+    now = 0.0
+    while not pieces or pieces[-1].status == Status.STOP_EVENT:
+        piece = _stretch(own, number, place, now, max(t_end - now, 0.0), budget)
+        pieces.append(replace(piece, start_time=now))
+        now, number, place = now + piece.end_time, piece.end_mode, piece.end_state
     first, last = pieces[0], pieces[-1]
     columns: dict[str, Any] = {name: np.concatenate([getattr(one, name) for one in pieces]) for name in Events._fields}
     columns["time"] = np.concatenate([one.start_time + one.time for one in pieces])
-    end = last.start_time + last.end_time
-    return replace(last, automaton=own.automaton, start_time=0.0, start_mode=first.start_mode,
-                   start_state=first.start_state, end_time=end, **columns)  # fmt: skip
+    start = first.start_mode, first.start_state
+    return replace(last, start_time=0.0, start_mode=start[0], start_state=start[1], end_time=now, **columns)
+
+
+def _stretch(own: Made, mode: int, place: np.ndarray, now: float, t_end: float, budget: Budget | None) -> Motion:
+    """Follow a motion to ``t_end`` [s], or up to where events accumulate, of which it has those before their limit."""
+    try:
+        stop = ACCUMULATION_KIND, -1
+        piece = follow(own.automaton, place, t_end, mode=mode, stop=stop, budget=budget)
+    except (AccumulationError, BranchError) as error:
+        raise _in_words(own, mode, place, now, error) from None
+    if piece.status != Status.STOP_EVENT:
+        return piece
+    time, place = _limit(piece.time[:-1], piece.after[:-1]) or (piece.end_time, piece.end_state)
+    piece.time[-1], piece.before[-1], piece.after[-1] = time, place, place
+    kept = np.append(piece.time[:-1] < time, True)
+    columns: dict[str, Any] = {name: getattr(piece, name)[kept] for name in Events._fields}
+    return replace(piece, end_time=float(time), end_state=place, **columns)
 
 
 def _limit(times: np.ndarray, states: np.ndarray) -> tuple[float, np.ndarray] | None:
     """Return time [s] and state where events accumulate whose stays shrink geometrically; None if they do not.
 
     A turn may have up to six events. With the ratio q of two turns the rest is q / (1 − q) times the last one (Aitken);
-    it is taken where it changes least, between turns that are too long and those that rounding shortens.
+    it is taken where it changes least, of turns that are not so short that rounding moves them.
     """
-    for events in range(1, 7 if times.size > 8 else 1):
+    for events in range(1, 7):
         k = np.arange(times.size - 1, -1, -events)[::-1]
         stays = np.diff(times[k])
+        if stays.size < 6:
+            break
         with np.errstate(all="ignore"):
             ratio = stays[1:] / stays[:-1]
-            steady = (ratio > 0) & (ratio < 0.9999)
-            steady[1:] &= np.abs(ratio[1:] / ratio[:-1] - 1) < 0.01
             rest = ratio / (1 - ratio)
-            limits = times[k[2:]] + stays[1:] * rest
-        good = np.flatnonzero(steady[1:] & steady[:-1]) + 1
-        good = good[stays[1 + good] > _NOISY * stays[1 + good].max(initial=0.0)]
-        left = times[-1] - times[k[2 + good]]
-        good = good[np.abs(limits[good] - times[-1]) < 1e-2 * left]  # of these events, not of earlier ones
-        if good.size < 6:
-            continue
-        best = good[np.argmin(np.abs(limits[good] - limits[good - 1]))]
-        last, before = states[k[2 + best]], states[k[1 + best]]
-        place, size = last + (last - before) * rest[best], np.abs(states[k]).max(axis=0)
-        return float(limits[best]), np.where(np.abs(place) > 1e-9 * size, place, 0.0)
+            limits, left = times[k[2:]] + stays[1:] * rest, times[-1] - times[k[2:]]
+            good = (rest > 0) & (rest < 1e4) & (np.abs(limits - times[-1]) < 0.01 * left)
+            good &= stays[1:] > _NOISY * np.max(stays[1:][good], initial=0.0)
+            change = np.where(good[1:] & good[:-1], np.abs(np.diff(limits)), math.inf)
+        if np.isfinite(change).sum() > 4:
+            best = int(np.argmin(change)) + 1
+            last, before = states[k[2 + best]], states[k[1 + best]]
+            place, size = last + (last - before) * rest[best], np.abs(states[k]).max(axis=0)
+            return float(limits[best]), np.where(np.abs(place) > 1e-9 * size, place, 0.0)
     return None
-
-
-def _events_to(
-    own: Made, mode: int, place: np.ndarray, error: AccumulationError | BranchError
-) -> tuple[Motion | None, Any]:
-    """Return the motion up to where the engine had no answer, and the limit of its events if they accumulate."""
-    try:
-        before = follow(own.patient, place, error.time * (1 - 1e-12), mode=mode)
-    except (AccumulationError, BranchError):
-        return None, None
-    return before, _limit(before.time, before.after)
 
 
 def _in_words(
     own: Made, mode: int, place: np.ndarray, begun: float, error: AccumulationError | BranchError
 ) -> EngineError:
     """Say what a motion has come to of which the system does not say what follows."""
-    names, (before, limit) = own.automaton.modes, _events_to(own, mode, place, error)
-    last = names[before.end_mode if before else mode]
-    here, where = names.get(error.mode, last), f"at t = {begun + error.time:.6g} s"
+    names, where = own.automaton.modes, f"at t = {begun + error.time:.6g} s"
+    here = names.get(error.mode, names[mode])
     if isinstance(error, BranchError):
         on = [border for border in own.borders if here in (border.below, border.above, border.slides)]
         if len(on) == 1 and here != on[0].slides:
@@ -205,10 +183,12 @@ def _in_words(
             )
         texts = " or ".join(border.text for border in on)
         return EngineError(f"the motion from mode {here} meets two surfaces at once {where} ({texts} = 0).")
+    before = follow(own.automaton, place, error.time * (1 - 1e-12), mode=mode)
+    limit = _limit(before.time, before.after)
     if limit is None:
-        return EngineError(f"events follow each other {where} without end and without time, from mode {last} on.")
+        return EngineError(f"events follow each other {where} without end and without time, from mode {here} on.")
     return AccumulationError(
-        f"infinitely many events accumulate at t = {begun + limit[0]:.15g} s in mode {last}, and the system does not "
+        f"infinitely many events accumulate at t = {begun + limit[0]:.15g} s in mode {here}, and the system does not "
         "say what follows: an event with beyond names the mode."
     )
 
@@ -225,25 +205,15 @@ def end_of(system: System, mode: str, state: Mapping[str, Any] | None = None, ma
         if not brief and steady.doubt != Doubt.ACCUMULATION:
             break
         try:
-            piece = follow(own.automaton, place, math.inf, mode=number, stop=(ACCUMULATION_KIND, -1))
-            limit = _limit(piece.time, piece.after)
-        except AccumulationError as error:
-            piece, limit = None, _events_to(own, number, place, error)[1]
-        if limit is None:  # very many events, and no more
-            steady = attractor.steady_state(own.patient, place, mode=number, max_events=max_events)
-            break
-        if piece is None:
-            end = End(Label.UNRESOLVED, "", _named(own, limit[1]), doubt=Doubt.ACCUMULATION)
-            return _explained(system, mode, state, end)
-        number, place = piece.end_mode, limit[1]
+            piece = _stretch(own, number, place, 0.0, math.inf, None)
+        except EngineError as error:
+            return End(Label.UNRESOLVED, "", _named(own, steady.state), doubt=Doubt.ACCUMULATION, reason=str(error))
+        number, place = piece.end_mode, piece.end_state
     if _LABELS.get(steady.label) == Label.EQUILIBRIUM:
         return _still(own, motion(system, mode, state, math.inf))
     end = end_from(own, steady)
-    return end if end.doubt is None else _explained(system, mode, state, end)
-
-
-def _explained(system: System, mode: str, state: Mapping[str, Any] | None, end: End) -> End:
-    """Return an unresolved end with the sentence in which its motion ends, if it does."""
+    if end.doubt is None:
+        return end
     try:
         motion(system, mode, state, math.inf, Budget(_EXPLAINED))
     except WorkSpentError:
@@ -257,20 +227,12 @@ def end_from(own: Made, steady: SteadyState) -> End:
     """Return an end from what the rule found."""
     label, orbit = _LABELS.get(steady.label, Label.CYCLE), steady.orbit
     if label == Label.CYCLE and orbit:
-        cycle = _solved(steady, orbit)
+        cycle = cycle_of(steady)
         if cycle is None:
             return End(Label.UNRESOLVED, "", _named(own, steady.state), doubt=Doubt.ENGINE)
         return end_of_cycle(own, cycle)
     mode = own.automaton.modes[orbit.start_mode] if orbit else ""
     return End(label, mode, _named(own, steady.state), orbit=orbit, doubt=steady.doubt)
-
-
-def _solved(steady: SteadyState, orbit: Motion) -> Cycle | None:
-    """Return the cycle that a motion ends on, solved again; its size is that of the orbit, which has few events."""
-    key = int(orbit.kind[-1]), int(orbit.end_mode)
-    size = np.abs(orbit.at(np.linspace(0.0, orbit.end_time, 64))[0]).max(axis=0)
-    size = np.where(size > 0, size, 1.0)
-    return cycle_on(Section(orbit.automaton, key, steady.state, size, steady.returns, 2 * orbit.end_time), "start")
 
 
 def end_of_cycle(own: Made, cycle: Cycle) -> End:

@@ -76,7 +76,10 @@ def section_key(motion: Motion) -> tuple[int, int] | None:
 
 def size_of(motion: Motion) -> np.ndarray:
     """Return the size (n) of a motion at its events; a coordinate that is zero at all of them may have any."""
-    size = np.maximum(np.abs(motion.after).max(axis=0), np.abs(motion.before).max(axis=0))
+    states = np.concatenate([motion.after, motion.before])
+    if motion.automaton.marked(motion.kind, "passage").all():  # where a coordinate may be zero but for rounding
+        states = motion.at(np.linspace(0.0, motion.end_time, 64))[0]
+    size = np.abs(states).max(axis=0)
     return np.where(size == 0, 1.0, size)
 
 
