@@ -9,6 +9,7 @@ from lsvib.errors import InputError
 
 # A start this far out is no state of a drive; its square is still a double, so that products of two can be formed.
 LARGEST_START = 1e100
+_MOST_POINTS = 10_000_000  # of a sweep, of which each has some hundred bytes
 # Called with the number of parts of a work that are done, and that of all.
 Progress = Callable[[int, int], None]
 _PLAIN = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
@@ -122,3 +123,24 @@ def names_and_values(name: str, given: Any) -> dict[str, Any]:
         if not isinstance(key, str):
             raise InputError(f"{shown(key)} is not a known key of {name}: keys are names.")
     return dict(given)
+
+
+def axes(over: Any, check: Callable[[Any], None]) -> dict[str, list[float]]:
+    """Return the values of each parameter of a product; ``check`` refuses a name. Raises ``InputError``."""
+    found: dict[str, list[float]] = {}
+    lists = names_and_values("over", over)
+    for name, given in lists.items():
+        check(name)
+        if isinstance(given, str | bytes | Mapping) or getattr(given, "ndim", 1) != 1 or not hasattr(given, "__len__"):
+            raise InputError(f"over: {name} = {shown(given)} is not a list of numbers.")
+    total = math.prod(map(len, lists.values()))
+    if not 1 <= total <= _MOST_POINTS:
+        raise InputError(f"over has {total} points; the allowed range is 1 <= points <= {_MOST_POINTS}.")
+    for name, given in lists.items():
+        try:
+            found[name] = [number(value) for value in given]
+        except NotNumber as error:
+            raise InputError(f"over: {name} holds a value that {error}.") from None
+    if not found:
+        raise InputError("over names no parameter; give the values of one, such as axial_force.")
+    return found

@@ -6,11 +6,10 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any, cast
 
-import numpy as np
 import xarray as xr
 
 from lsvib import numbers, words
-from lsvib.answers.attributes import about_drive, answer, flagged, given, variable, varied, yes_no
+from lsvib.answers.attributes import about_drive, answer, flagged, given, varied
 from lsvib.answers.sweep import known_key
 from lsvib.drives import friction
 from lsvib.drives.drive import IN_WORDS, PART_OF, Drive, zero_if_close
@@ -19,9 +18,11 @@ from lsvib.dynamics.boundary import Boundary, known_basin
 from lsvib.dynamics.curves import Arc, state_on
 from lsvib.dynamics.cycles import Cycle, random_starts, starts
 from lsvib.errors import EngineError, InputError
+from lsvib.systems import answers as systems
+from lsvib.systems.answers import branch_variables
 from lsvib.systems.attractor import Attractor, SteadyState, shrinks_areas
 from lsvib.systems.automaton import Automaton
-from lsvib.systems.continuation import CycleBranch, follow_cycle
+from lsvib.systems.continuation import CycleBranch, follow_cycle, span_of
 from lsvib.systems.cycles import cycle_from, search
 from lsvib.systems.motion import enter
 
@@ -148,48 +149,27 @@ def followed(
         raise InputError(
             f"{parameter} is a parameter of {IN_WORDS[PART_OF[parameter]]}, which this drive does not have."
         )
-    try:
-        low, high = (numbers.number(value) for value in span)
-    except (numbers.NotNumber, TypeError, ValueError):
-        raise InputError(f"span = {numbers.shown(span)} is not two numbers.") from None
     here = float(getattr(drive, parameter))
-    if not low < high or not low <= here <= high:
-        raise InputError(
-            f"span = {low:g} to {high:g} is outside the allowed range: it holds the drive's own {parameter} = {here:g}."
-        )
-    most = numbers.whole_between("points", points, 2, 100_000)  # each way; more cycles would fill the memory
-    for end in (low, high):
+    ends, most = span_of("drive", parameter, here, span, points)
+    for end in ends:
         drive.replace(**{parameter: end})
 
     def at(value: float) -> Drive:
         return drive.replace(**{parameter: zero_if_close(parameter, value)})
 
     made = lru_cache(8)(lambda value: build(at(value)))
-    branch = follow_cycle(cycle, made, parameter, here, (low, high), most, progress)
-    points = (replace(point, cycle=Cycle.of(at(point.value), point.cycle)) for point in branch.points)
-    return replace(branch, points=tuple(points))
+    branch = follow_cycle(cycle, made, parameter, here, ends, most, progress)
+    return replace(branch, points=tuple(replace(x, cycle=Cycle.of(at(x.value), x.cycle)) for x in branch.points))
 
 
 def branch_dataset(branch: CycleBranch) -> xr.Dataset:
     """Return a branch of cycles as a dataset along ``point``; its changes are an attribute."""
-    points, cycles = branch.points, [point.cycle for point in branch.points]
-    drive = cast(Cycle, cycles[0]).drive
+    cycles = [cast(Cycle, point.cycle) for point in branch.points]
+    drive = cycles[0].drive
     fixed = [(key, value) for key, value in drive if key != branch.parameter]
-    multipliers = np.array([cycle.multipliers for cycle in cycles]).reshape(len(cycles), -1)
-    columns: dict[str, tuple[Any, ...]] = {  # values, unit, words, symbol
-        "along": ([point.along for point in points], "1", "length of the branch from its start"),
-        "period": ([cycle.period for cycle in cycles], "s", "period of the cycle", "$T$"),
-        "amplitude": ([cycle.amplitude for cycle in cycles], "rad", "amplitude, half its peak-to-peak"),
-        "multiplier_error": ([cycle.multiplier_error for cycle in cycles], "1", "bound of the multipliers' errors"),
-        "period_residual": ([cycle.residual for cycle in cycles], "1", "change of the state over a period"),
-    }
-    data = varied("point", **{branch.parameter: [point.value for point in points]})
-    data |= {name: variable("point", np.array(own), *more) for name, (own, *more) in columns.items()}
+    data = varied("point", **{branch.parameter: [point.value for point in branch.points]})
+    data |= branch_variables(branch, "rad")
     data["attractor"] = flagged("point", [cycle.label for cycle in cycles], "kind of cycle", Attractor)
-    data["attracting"] = yes_no("point", [cycle.attracting for cycle in cycles], "whether the cycle attracts")
-    for part, word in (("real", "real"), ("imag", "imaginary")):
-        dims, about_part = ("point", "multiplier_number"), f"{word} part of the Floquet multipliers"
-        data[f"multiplier_{word}_part"] = variable(dims, getattr(multipliers, part), "1", about_part)
     about = {
         "title": f"A cycle of the lead-screw drive over {branch.parameter}",
         "source": "lsvib, Newton's method on the exact return map, pseudo-arclength continuation",
@@ -201,27 +181,6 @@ def branch_dataset(branch: CycleBranch) -> xr.Dataset:
 
 def branch_json(branch: CycleBranch) -> dict[str, Any]:
     """Return a branch as plain numbers and names."""
-    return {
-        "parameter": branch.parameter,
-        "points": [
-            {
-                "value": point.value,
-                "label": point.cycle.label.name.lower(),
-                "attracting": point.cycle.attracting,
-                "period": point.cycle.period,
-                "amplitude": point.cycle.amplitude,
-                "multipliers": point.cycle.to_json_multipliers(),
-                "residual": point.cycle.residual,
-            }
-            for point in branch.points
-        ],
-        "changes": [{"kind": c.kind, "value": c.value, "what": c.what} for c in branch.changes],
-    }
-
-
-def branch_text(branch: CycleBranch) -> Iterator[str]:
-    """Say a branch in lines."""
-    name, values = branch.parameter, [point.value for point in branch.points]
-    yield f"{len(values)} cycles, {name} from {min(values):.9g} to {max(values):.9g}"
-    for change in branch.changes:
-        yield f"{change.kind} at {name} = {change.value:.12g}: {change.what}"
+    found, cycles = systems.branch_json(branch), [point.cycle for point in branch.points]
+    points = zip(found["points"], cycles, strict=True)
+    return found | {"points": [point | {"label": cycle.label.name.lower()} for point, cycle in points]}

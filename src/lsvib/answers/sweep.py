@@ -5,7 +5,6 @@ the number of threads. Nothing is simulated for some time and looked at: the ret
 """
 
 import json
-import math
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import product
@@ -30,8 +29,6 @@ from lsvib.numbers import names_and_values
 from lsvib.stability.curves import ChartBoundary, boundary_curves
 from lsvib.systems.attractor import Attractor
 
-_MOST = 10_000_000  # points, of which each has some hundred bytes
-
 _VARIABLES = {
     "attractor": cf.attributes("1", "attractor that the motion reaches", **cf.flags(Attractor)),
     "amplitude": cf.attributes("rad", "amplitude of the steady vibration, half its peak-to-peak"),
@@ -51,7 +48,7 @@ def sweep(
     progress: numbers.Progress | None = None,
 ) -> xr.Dataset:
     """Return what a drive does as its method ``sweep`` does; ``over``: values by name of a parameter."""
-    at_once, axes = numbers.workers(workers), axes_of(over)
+    at_once, axes = numbers.workers(workers), numbers.axes(over, known_key)
     drives, sizes = product_of(drive, axes), tuple(map(len, axes.values()))
     first = drives.one(0)  # with the parts that are varied
     begin: Mapping[str, float] | str = "beside steady sliding"
@@ -140,27 +137,6 @@ def known_key(name: Any) -> None:
     if not isinstance(name, str) or name not in Drive.model_fields:
         known = ", ".join(Drive.model_fields)
         raise InputError(f"{numbers.shown(name)} is not a known key; the known keys are {known}.")
-
-
-def axes_of(over: Any) -> dict[str, list[float]]:
-    """Return the values of each parameter of a product; raises ``InputError``."""
-    axes: dict[str, list[float]] = {}
-    lists = names_and_values("over", over)
-    for name, given in lists.items():
-        known_key(name)
-        if isinstance(given, str | bytes | Mapping) or getattr(given, "ndim", 1) != 1 or not hasattr(given, "__len__"):
-            raise InputError(f"over: {name} = {numbers.shown(given)} is not a list of numbers.")
-    total = math.prod(map(len, lists.values()))
-    if not 1 <= total <= _MOST:
-        raise InputError(f"over has {total} points; the allowed range is 1 <= points <= {_MOST}.")
-    for name, given in lists.items():
-        try:
-            axes[name] = [numbers.number(value) for value in given]
-        except numbers.NotNumber as error:
-            raise InputError(f"over: {name} holds a value that {error}.") from None
-    if not axes:
-        raise InputError("over names no parameter; give the values of one, such as axial_force.")
-    return axes
 
 
 def product_of(drive: Drive, axes: Mapping[str, Sequence[float]]) -> ManyDrives:

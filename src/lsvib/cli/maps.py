@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
-from lsvib.cli import options
+from lsvib.cli import options, systems
 from lsvib.cli.app import ProgressLine, app, show
 from lsvib.errors import InputError
 
@@ -24,6 +24,8 @@ def attraction(
     quantities: Quantities = ["label"],  # noqa: B006
     workers: options.Workers = 1,
     figure: options.Picture = None,
+    system: options.SystemFile = None,
+    start: options.Start = None,
     as_json: options.AsJson = False,
 ) -> None:
     """Map the region of attraction: the attractor of the motion from every start of a grid.
@@ -38,7 +40,12 @@ def attraction(
     """
     from lsvib.answers.map import summary, text
 
-    files = options.Files(out, figure)
+    files = options.Files(out, figure, reads=system)
+    if system:
+        systems.attraction(systems.read(system, changes, start), grid, files, as_json)
+        return
+    if start:
+        raise InputError("start is for systems, which --system names.")
     if figure and {key for key, values in grid if isinstance(values, tuple)} != {"u", "w"}:
         raise InputError("figure is for maps of u and w; leave it out for a plane of other coordinates.")
     asked, begin = [*quantities, "doubt"], perf_counter()

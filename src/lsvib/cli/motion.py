@@ -5,7 +5,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from lsvib.cli import options
+from lsvib.cli import options, systems
 from lsvib.cli.app import ProgressLine, app, show
 from lsvib.errors import InputError
 
@@ -21,6 +21,7 @@ def simulate(
     samples: Annotated[options.Whole | None, Parameter(help="Number of output times, both ends included.")] = None,
     outputs: Annotated[list[str] | None, Parameter(help="What to write.", consume_multiple=True, negative="")] = None,
     figure: options.Picture = None,
+    system: options.SystemFile = None,
     as_json: options.AsJson = False,
 ) -> None:
     """Simulate a drive exactly and write its motion and events.
@@ -37,7 +38,10 @@ def simulate(
     """
     from lsvib.answers.motion import Simulation, as_scene
 
-    files = options.Files(out, figure, reads=scene)
+    files = options.Files(out, figure, reads=system or scene)
+    if system:
+        systems.simulate(systems.read(system, changes, start), duration, samples, files, as_json)
+        return
     given = {"duration": duration, "samples": samples, "start": options.start_of(start), "outputs": outputs}
     stated = {key: value for key, value in given.items() if value is not None}
     found = Simulation.of(as_scene(scene, stated, dict(changes or ())))
@@ -54,6 +58,7 @@ def sweep(
     workers: options.Workers = 1,
     out: options.OutFile | None = None,
     figure: options.Picture = None,
+    system: options.SystemFile = None,
     as_json: options.AsJson = False,
 ) -> None:
     """Sweep parameters of a drive: what it does, how large and how fast, the forces; over two, with exact curves.
@@ -72,9 +77,12 @@ def sweep(
     from lsvib.answers.sweep import summary, text
     from lsvib.answers.tables import records, table_of
 
-    files = options.Files(out, figure)
+    files = options.Files(out, figure, reads=system)
     if figure and len(over) > 2:
         raise InputError("figure is for sweeps over one or two parameters; leave it out for more.")
+    if system:
+        systems.sweep(systems.read(system, changes, start), over, files, as_json)
+        return
     options.refuse_varied(changes, over)
     begin, begun = perf_counter(), options.start_of(start)
     found = options.drive_of(changes).sweep(
@@ -87,7 +95,16 @@ def sweep(
 
 
 @app.command
-def cycles(*, changes: options.Changes = None, as_json: options.AsJson = False) -> None:
+def cycles(
+    *,
+    changes: options.Changes = None,
+    system: options.SystemFile = None,
+    start: options.Start = None,
+    box: options.Box = None,
+    count: Annotated[options.Whole, Parameter(help="Of a system: number of starts that are drawn from the box.")] = 100,
+    seed: Annotated[options.Whole, Parameter(help="Of a system: seed by which they are drawn.")] = 0,
+    as_json: options.AsJson = False,
+) -> None:
     """Find the cycles of a drive, attracting and repelling: period, multipliers, amplitude, work.
 
     Examples of use:
@@ -96,6 +113,11 @@ def cycles(*, changes: options.Changes = None, as_json: options.AsJson = False) 
 
         lsvib cycles --set contact_stiffness=1e8 --set contact_damping=1e8 --set mass=11 --json
     """
+    if system:
+        systems.cycles(systems.read(system, changes, start), dict(box or ()), count, seed, as_json)
+        return
+    if start or box:
+        raise InputError("start and box are for systems, which --system names.")
     found = options.drive_of(changes).cycles()
     show(found.to_json(), as_json, found.text())
 
@@ -109,6 +131,8 @@ def follow(
     points: Annotated[options.Whole, Parameter(help="Most points each way.")] = 1000,
     out: options.OutFile | None = None,
     figure: options.Picture = None,
+    system: options.SystemFile = None,
+    start: options.Start = None,
     as_json: options.AsJson = False,
 ) -> None:
     """Follow a cycle over a parameter, both ways, through folds and changes of its events, which are named.
@@ -119,10 +143,17 @@ def follow(
 
         lsvib follow --over mass=10.2:14 --set mass=11 --out branch.nc --json
     """
-    from lsvib.answers.cycles import branch_dataset, branch_json, branch_text
+    from lsvib.answers.cycles import branch_dataset, branch_json
     from lsvib.numbers import whole_between
+    from lsvib.systems.answers import branch_text
 
-    files, made = options.Files(out, figure), options.drive_of(changes)
+    files = options.Files(out, figure, reads=system)
+    if system:
+        systems.follow(systems.read(system, changes, start), over, points, files, as_json)
+        return
+    if start:
+        raise InputError("start is for systems, which --system names.")
+    made = options.drive_of(changes)
     listed = made.cycles().cycles
     if not listed:
         raise InputError("the drive has no cycle to follow; see lsvib cycles.")

@@ -1,5 +1,6 @@
 """The options that several commands share: their types, and how their texts are read, each in one place."""
 
+import math
 import os
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -59,12 +60,14 @@ _steps = _reader(start=numbers.number, stop=numbers.number, count=numbers.whole)
 
 
 def _started(text: str) -> tuple[str, float]:
-    return ("rest", 0.0) if text == "rest" else _coordinate(text)
+    return _coordinate(text) if "=" in text else (text, 0.0 if text == "rest" else math.nan)
 
 
 def start_of(given: list[Coordinate] | None) -> "dict[str, float] | Literal['rest'] | None":
     """Return what was given as a start: coordinates by name, the word rest, or nothing."""
     found = dict(given or ())
+    for word in (key for key, value in found.items() if value != value):
+        raise InputError(f"{word!r} is not of the form KEY=NUMBER.")
     return "rest" if list(found) == ["rest"] else found or None
 
 
@@ -100,12 +103,20 @@ Whole = Annotated[int, one(_whole)]
 Workers = Annotated[int, one(_whole, "Number of threads; it changes no result.")]
 Start = Annotated[
     list[Coordinate] | None,
-    several(_started, "State at t = 0: u=RAD w=RAD_PER_S ..., or rest, as it is switched on.", consume_multiple=True),
+    several(
+        _started,
+        "State at t = 0: u=RAD w=RAD_PER_S ..., or rest, as it is switched on; of a system its mode and states.",
+        consume_multiple=True,
+    ),
 ]
 Over = Annotated[list[Steps], several(_steps, "KEY=START:STOP:COUNT: a parameter to vary; repeatable.")]
 Ends = Annotated[Span, one(_span, "KEY=LOW:HIGH: the parameter and its range, with the drive's own value.")]
 Window = Annotated[
     list[Span] | None, several(_span, "Part of the phase plane: u=LOW:HIGH w=LOW:HIGH.", consume_multiple=True)
+]
+Box = Annotated[
+    list[Span] | None,
+    several(_span, "Of a system: KEY=LOW:HIGH of states, to draw starts from.", consume_multiple=True),
 ]
 GridOfStarts = Annotated[
     list[Steps | Coordinate],
@@ -117,6 +128,9 @@ GridOfStarts = Annotated[
 ]
 Changes = Annotated[
     list[Pair] | None, several(_pair, "KEY=VALUE: change a parameter of the drive; repeatable.", name="--set")
+]
+SystemFile = Annotated[
+    Path | None, Parameter(help="YAML file of a system of one's own in place of the drive; --set changes parameters.")
 ]
 SceneFile = Annotated[Path | None, Parameter(help="YAML file of a scene to start from.")]
 OutFile = Annotated[Path, Parameter(help="File to write: netCDF (.nc), or its table alone (.csv).")]

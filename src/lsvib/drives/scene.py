@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, ClassVar, Self
 
 import yaml
 from pydantic import BeforeValidator, Field, SerializeAsAny, model_validator
@@ -92,14 +92,16 @@ class Scene(Checked):
         return cls(**names_and_values("scene", values))
 
 
-def read_yaml(path: str | Path) -> dict[str, Any]:
+def read_yaml(path: str | Path, texts: bool = False) -> dict[str, Any]:
     """Read a YAML file that holds names and values; numbers are decimal, with leading zeros too.
+
+    With ``texts`` all that stands there is text, also numbers, ``on`` and ``off``.
 
     Raises ``InputError`` in one sentence if the file is missing or something else, or gives a key twice.
     """
     try:
         with Path(path).open(encoding="utf-8") as file:
-            values = yaml.load(file, Loader=_Loader)
+            values = yaml.load(file, Loader=_Texts if texts else _Loader)
     except OSError as error:
         raise InputError(f"Cannot read {path}: {error.strerror}.") from None
     except (yaml.YAMLError, ValueError) as error:  # ValueError: no UTF-8, no day of the calendar, no decimal number
@@ -126,3 +128,9 @@ for _tag, _kind in (("int", int), ("float", float)):  # 3:1 is a ratio, and not 
     _Loader.add_constructor(
         f"tag:yaml.org,2002:{_tag}", lambda _, node, kind=_kind: node.value if ":" in node.value else kind(node.value)
     )
+
+
+class _Texts(_Loader):
+    """YAML whose values are texts."""
+
+    yaml_implicit_resolvers: ClassVar[dict[str, Any]] = {}

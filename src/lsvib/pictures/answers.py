@@ -62,17 +62,21 @@ def _dataset(answer: Any) -> xr.Dataset:
     """The dataset of what a method of a drive returned, which has loaded the engine by then."""
     from lsvib.answers.cycles import Cycles, branch_dataset
     from lsvib.dynamics.boundary import Basin
+    from lsvib.dynamics.cycles import Cycle
+    from lsvib.systems import answers
     from lsvib.systems.continuation import CycleBranch
 
     if isinstance(answer, CycleBranch):
-        return branch_dataset(answer)
+        return (branch_dataset if isinstance(answer.points[0].cycle, Cycle) else answers.branch_dataset)(answer)
+    if isinstance(answer, answers.Ends) and answer.cycles:
+        return answers.orbits(answer)
     steady = {name: ((), 0.0, quantity(name)) for name in ("angle_deviation", "velocity_deviation")}
     if isinstance(answer, Basin) and answer.curves:
         return xr.Dataset(steady | curve("boundary", "boundary_point", answer.line(), "on the exact boundary"))
     if isinstance(answer, Cycles) and answer.cycles:
         attracting = ("cycle", [cycle.attracting for cycle in answer.cycles])
         return xr.Dataset(steady | orbits([cycle.orbit for cycle in answer.cycles]) | {"attracting": attracting})
-    empty = {Basin: "a basin without a boundary", Cycles: "what has no cycle"}
+    empty = {Basin: "a basin without a boundary", Cycles: "what has no cycle", answers.Ends: "what has no cycle"}
     raise InputError(f"{empty.get(type(answer), shown(answer))} cannot be drawn; {_CAN}.")
 
 
@@ -99,11 +103,16 @@ def _picture(dataset: xr.Dataset, kind: str | None) -> style.Figure:
         return KINDS.get(kind or "", _motion)(dataset)
     if "attracting" in dataset and "changes" in dataset.attrs:
         return _branch(dataset)
-    if {"label", "cycle_angle", "boundary_angle"} & set(dataset):
+    own = "system" in dataset.attrs  # one's own
+    if own and "label" not in dataset:
+        return _states(dataset)
+    if not own and {"label", "cycle_angle", "boundary_angle"} & set(dataset):
         return attraction.draw(dataset)
     swept = tuple(name for name in dataset.dims if name in Drive.model_fields)
+    if own:
+        swept = tuple(map(str, dataset["label"].dims))
     numbers = [name for name, x in dataset.data_vars.items() if x.dims == swept and x.dtype.kind in _NUMBERS]
-    if "attractor" not in numbers or len(swept) not in (1, 2):
+    if not {"attractor", "label"} & {*numbers} or len(swept) not in (1, 2):
         raise InputError(f"a dataset over {', '.join(map(str, dataset.dims)) or 'nothing'} cannot be drawn; {_CAN}.")
     return _curves(dataset[numbers]) if len(swept) == 1 else chart.draw(dataset)
 
@@ -140,6 +149,30 @@ def _motion(dataset: xr.Dataset) -> style.Figure:
     return style.legend(figure, panels[:1], 3)
 
 
+def _states(dataset: xr.Dataset) -> style.Figure:
+    """Each state of a system over time, with its events; or its cycles in the plane of the first two."""
+    names = json.loads(dataset.attrs["system"])["states"]
+    if "cycle" in dataset.dims:
+        figure, pair = style.new_figure(style.SINGLE, 3.3), (names * 2)[:2]
+        for one in dataset.cycle.values:
+            axes = figure.axes[0] if figure.axes else figure.add_subplot()
+            axes.plot(*(dataset[name].sel(cycle=one) for name in pair), label=f"cycle {one}")
+        style.frame(axes, "", *(dataset[name] for name in pair))
+        return style.legend(figure, [axes], 3)
+    figure = style.new_figure(style.DOUBLE, _EDGE + _HEIGHT * len(names))
+    panels = figure.subplots(len(names), 1, sharex=True, squeeze=False)[:, 0]
+    own = ~named(dataset.event_kind, *(x for x in flag_names(dataset.event_kind).values() if x.startswith("phase ")))
+    for axes, name in zip(panels, names, strict=True):
+        axes.plot(dataset.time, dataset[name], color=style.BLUE)
+        axes.plot(
+            dataset.event_time[own], dataset[f"event_{name}_after"][own], ".", color=style.VERMILION, label="event"
+        )
+        axes.set_xlim(dataset.time[0], dataset.time[-1])
+        _name(axes, dataset[name])
+    panels[-1].set_xlabel(style.label(dataset.time))
+    return style.legend(figure, panels[:1], 3)
+
+
 def _name(axes: style.Axes, values: xr.DataArray) -> None:
     """Put the words of a quantity above a panel, its symbol and unit beside it."""
     words, symbol = values.attrs.get("long_name", str(values.name)), values.attrs.get("symbol", "")
@@ -150,13 +183,14 @@ def _name(axes: style.Axes, values: xr.DataArray) -> None:
 def _curves(dataset: xr.Dataset) -> style.Figure:
     """Each number over one parameter, in colours and marks of what the drive does."""
     (along,), kinds = dataset.dims, chart.kinds(dataset)
-    left_out = ("attractor", "behaviour")
+    looks = chart.looks(kinds)
+    left_out = ("attractor", "behaviour", "label", "turns")
     numbers = [x for name, x in dataset.data_vars.items() if name not in left_out and np.isfinite(x).any()]
     figure = style.new_figure(style.DOUBLE, _EDGE + _HEIGHT * len(numbers))
     panels = figure.subplots(len(numbers), 1, sharex=True, squeeze=False)[:, 0]
     for axes, values in zip(panels, numbers, strict=True):
         for name, mark in zip(flag_names(kinds).values(), _MARKS, strict=False):
-            here, (colour, words) = named(kinds, name), chart.LOOKS[name]
+            here, (colour, words) = named(kinds, name), looks[name]
             if here.any():
                 axes.plot(dataset[along][here], values[here], mark, color=colour, label=words, **_MARK)
         _name(axes, values)

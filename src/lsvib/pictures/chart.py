@@ -1,5 +1,7 @@
 """Sweep over two parameters: what the drive does as colour, the exact curves on top, each with its name."""
 
+from itertools import cycle
+
 import numpy as np
 import xarray as xr
 
@@ -17,6 +19,7 @@ LOOKS = {  # colour, and words of the legend
     "coexistence": (style.WINE, "steady sliding beside a cycle"),
     "vibration from rest": (style.PURPLE, "steady sliding, a cycle from rest"),
     "neutral": (style.BLUE, "neutral oscillations"),
+    "equilibrium": ("#F4F4F4", "equilibrium"),
 }
 _CURVES = {  # words on a curve, where they are not its name, and how it is drawn
     "onset": (r"onset, $\tilde R = 0$", "-"),
@@ -24,6 +27,16 @@ _CURVES = {  # words on a curve, where they are not its name, and how it is draw
     "negative damping": (r"negative damping, $C_+ = 0$", (0, (1.5, 1))),
     "even speed": ("even from rest", "-"),
 }
+
+
+_OTHERS = (style.GREEN, style.ORANGE, style.SKY, style.PURPLE, style.BLUE, style.YELLOW, style.VERMILION, style.WINE)
+
+
+def looks(kinds: xr.DataArray) -> dict[str, tuple[str, str]]:
+    """Return colour and words of the legend by kind; kinds without a look of their own have a colour each, in turn."""
+    names = flag_names(kinds).values()
+    others = cycle(_OTHERS)
+    return {name: LOOKS.get(name) or (next(others), name) for name in names}
 
 
 def kinds(dataset: xr.Dataset) -> xr.DataArray:
@@ -47,14 +60,14 @@ def draw(dataset: xr.Dataset) -> style.Figure:
         if values.size > 1:
             limit(values[0], values[-1])
         say(style.label(dataset[name]))
-    names = flag_names(found)
-    colours = {name: LOOKS[name][0] for name in names.values()}
+    names, own = flag_names(found), looks(found)
+    colours = {name: colour for name, (colour, _) in own.items()}
     drawing.regions(axes, _edges(found[across].values), _edges(found[down].values), found, colours, zorder=0)
     if "boundary_name" in dataset:
         _curves(axes, dataset, across, down)
     shares = {name: 100 * float((found == kind).mean()) for kind, name in names.items()}
-    looks = [(LOOKS[name][0], None, f"{LOOKS[name][1]}: {share:.1f} %") for name, share in shares.items() if share]
-    return style.legend(figure, [], 2, drawing.patches(looks, style.GREY))
+    entries = [(own[name][0], None, f"{own[name][1]}: {share:.1f} %") for name, share in shares.items() if share]
+    return style.legend(figure, [], 2, drawing.patches(entries, style.GREY))
 
 
 def _in_ratios(values: np.ndarray) -> bool:

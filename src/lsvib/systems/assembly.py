@@ -30,7 +30,7 @@ from lsvib.systems.automaton import Automaton, Branch, Guard, Mode, Surface, Tra
 from lsvib.systems.exact.arithmetic import added, many_digits, place_of_largest
 from lsvib.systems.exact.modal_form import PlanarMode, linear_mode
 from lsvib.systems.exact.taylor_form import TaylorMode, settled_region, still_mode
-from lsvib.systems.expressions import Affine, Reader, parameters
+from lsvib.systems.expressions import Affine, Reader, linear, parameters, plus, scaled
 from lsvib.systems.kernels.law import EXPONENT, FROM, PIECE, TO
 from lsvib.systems.kernels.layout import FIRST_MODEL_KIND, Test
 
@@ -115,8 +115,10 @@ class _Maker:
 
     def _positive(self, key: str, given: Mapping[Any, Any]) -> list[arb]:
         found = [Reader((), self.known).number(x, f"{key}.{name}") for name, x in given.items()]
-        if wrong := [name for name, x in zip(given, found, strict=True) if not x > 0]:
-            raise InputError(f"{key} = {given[wrong[0]]} of {wrong[0]} is not positive.")
+        for name, x in zip(given, found, strict=True):
+            if not x > 0:
+                own = name if key == "clocks" else " and ".join(name)
+                raise InputError(f"{key} = {given[name]} of {own} is not positive.")
         return found
 
     def _field(self, about: str, given: Mapping[str, Any]) -> list[Affine]:
@@ -124,7 +126,7 @@ class _Maker:
             rows = [self.reader.affine(x, f"{about}.vector") for x in given["vector"]]
             for i, own in enumerate(given["matrix"]):
                 for unit, x in zip(self.unit, own, strict=False):
-                    rows[i] = _plus(rows[i], scaled(unit, self.reader.number(x, f"{about}.matrix")))
+                    rows[i] = plus(rows[i], scaled(unit, self.reader.number(x, f"{about}.matrix")))
         else:
             rows = [self.reader.affine(given[name], f"{about}.{name}") for name in self.system.states]
         for k, rate in enumerate(self.rates):
@@ -153,18 +155,18 @@ class _Maker:
     def _add_border(self, below: str, above: str, at: Affine, text: str) -> None:
         first, second = self.fields[below], self.fields[above]
         low, high = (_off(_rate(at, rows), at) for rows in (first, second))
-        jump = [_off(_plus(y, scaled(x, -1)), at) for x, y in zip(first, second, strict=True)]
-        across = _plus(high, scaled(low, -1))
+        jump = [_off(plus(y, x, -1), at) for x, y in zip(first, second, strict=True)]
+        across = plus(high, low, -1)
         size = max(abs(float(x)) for row in (*first, *second) for x in row)
         fixed = all(abs(float(x)) <= _ROUNDED * size for row in jump for x in row[:-1])
         least = _ROUNDED * max(abs(float(x)) for row in (low, high) for x in row)
-        pushes = not (fixed or not _linear(across)) or float(across[-1]) < -least  # against each other, somewhere
-        slides = f"{below}|{above}" if fixed and pushes and (_linear(low) or low[-1] > 0) else None
+        pushes = not (fixed or not linear(across)) or float(across[-1]) < -least  # against each other, somewhere
+        slides = f"{below}|{above}" if fixed and pushes and (linear(low) or low[-1] > 0) else None
         border = Border(below, above, at, text, (low, high), slides, not pushes)
         if slides:
             if slides in self.fields:
                 raise InputError(f"two surfaces lie between {below} and {above}, which has to be one; take more modes.")
-            rows = [_plus(x, scaled(low, -y[-1] / across[-1])) for x, y in zip(first, jump, strict=True)]
+            rows = [plus(x, scaled(low, -y[-1] / across[-1])) for x, y in zip(first, jump, strict=True)]
             planar = self.n == 2 and rows[0] == self.unit[1]
             self.fields[slides], self.slides[slides] = rows if planar else [_off(row, at) for row in rows], border
         self.borders.append(border)
@@ -199,13 +201,13 @@ class _Maker:
                 branches = self._on(border, onward if border.crosses else None)
                 yield self._guard(f"surface {k}", border.at, side, self._transition(f"{k} {mode}", branches))
         for k in (0, 1) if own else ():
-            if own and _linear(own.rises[k]):
+            if own and linear(own.rises[k]):
                 onward = (own.below, own.above)[k]
                 name = f"{mode} to {onward}"
                 self._transition(name, [Branch(onward, self._kind(f"leaves {own.text}"))])
                 yield self._guard(name, own.rises[k], 1 - 2 * k, name)
         for border, k in product(self.borders if own else [], (0, 1)):
-            if own and border is not own and border[k] in own[:2] and _linear(row := _off(border.at, own.at)):
+            if own and border is not own and border[k] in own[:2] and linear(row := _off(border.at, own.at)):
                 name = self._transition(f"{mode} at {border.text} of {border[k]}", [])  # what follows is not known
                 yield self._guard(name, row, 2 * k - 1, name)
 
@@ -223,33 +225,28 @@ class _Maker:
         return name
 
     def _checked(self, row: Affine, about: str, text: str) -> Affine:
-        if not _linear(row):
+        if not linear(row):
             raise InputError(f"{about} = {text!r} does not depend on the state there, so it is no event.")
         return row
 
     def _guards(self, mode: str) -> Iterator[Guard]:
         """Guards of a mode: clocks, events, surfaces; an event that holds beside a surface does so along it."""
         slides = self.slides.get(mode)
-        own = [
-            (k, event)
-            for k, event in enumerate(self.system.events)
-            if mode in event.mode or (slides and {*slides[:2]} <= {*event.mode})
-        ]
-        taken: dict[Any, Any] = {}
+        sides = {*slides[:2]} if slides else {mode}
+        own = [(k, x) for k, x in enumerate(self.system.events) if mode in x.mode or sides <= {*x.mode}]
+        at_clock, taken = {event.at_clock: k for k, event in own}, dict[Any, int]()
         for name, period in self.times.items():
             row = (*scaled(self.unit[self.names.index(name)], -1)[:-1], period)
-            yield self._guard(f"clock {name}", row, 1, self._returns(mode, name, own))
+            yield self._guard(f"clock {name}", row, 1, self._happens(mode, at_clock.get(name), None, name))
         for k, event in own:
-            if event.when is None:
-                continue
-            about = f"events[{k}].when"
-            row = self.reader.comparison(event.when, about)
-            row = _off(row, slides.at) if slides else row
-            key = _key(self._checked(row, about, event.when))
-            if key in taken:
+            about, key = f"events[{k}].when", event.at_clock
+            if event.when is not None:
+                row = self.reader.comparison(event.when, about)
+                row = self._checked(_off(row, slides.at) if slides else row, about, event.when)
+                key = _key(row)
+                yield self._guard(f"event {k} {mode}", scaled(row, -1), 1, self._happens(mode, k, row))
+            if taken.setdefault(key, k) != k:
                 raise InputError(f"events[{taken[key]}] and events[{k}] happen at once in {mode}; give one for both.")
-            taken[key] = k
-            yield self._guard(f"event {k} {mode}", scaled(row, -1), 1, self._happens(mode, k, event, row))
         yield from self._bounds(mode)
 
     def _reset(self, given: Mapping[str, Any], about: str, clock: str = "") -> tuple[Affine, ...] | None:
@@ -264,34 +261,21 @@ class _Maker:
                 rows[self.own : self.own + 2 * len(self.rates)] = [self.unit[-1], nothing] * len(self.rates)
         return tuple(rows) if given or clock else None
 
-    def _returns(self, mode: str, clock: str, events: Sequence[tuple[int, Any]]) -> str:
-        """Transition of a mode in which a clock returns to zero."""
-        own = [(k, event) for k, event in events if event.at_clock == clock]
-        if len(own) > 1:
-            raise InputError(
-                f"events[{own[0][0]}] and events[{own[1][0]}] happen at once in {mode}; give one for both."
-            )
-        kind = self._kind(FORCING if clock == FORCING else f"{clock} returns")
-        if not own:
-            return self._transition(f"{clock} {mode}", [*self._into(mode, kind)], self._reset({}, "", clock))
-        k, event = own[0]
-        reset = self._reset(event.reset or {}, f"events[{k}].reset", clock)
-        return self._transition(f"{clock} {mode}", self._after(mode, event, self._kind(f"events[{k}]")), reset)
-
-    def _happens(self, mode: str, k: int, event: Any, row: Affine) -> str:
-        """Transition of an event with a condition."""
-        reset = self._reset(event.reset or {}, f"events[{k}].reset")
-        if (event.to or mode) == mode:
+    def _happens(self, mode: str, k: int | None, row: Affine | None, clock: str = "") -> str:
+        """Transition of an event in a mode, as a condition comes true or as a clock returns, at which none may be."""
+        event = None if k is None else self.system.events[k]
+        to, given = (event.to, event.reset or {}) if event else (None, {})
+        reset = self._reset(given, f"events[{k}].reset", clock)
+        if event and row and to in (None, mode):
             left = _off(_composed(row, reset), row) if reset else self.unit[-1]
-            if not _linear(left) and left[-1] > 0:
+            if not linear(left) and left[-1] > 0:
                 what = "lands where it happens again" if reset else "changes nothing: give a reset, or a mode to enter"
                 raise InputError(f"events[{k}] of mode {mode}, {event.when!r}, {what}.")
-        return self._transition(f"event {k} {mode}", self._after(mode, event, self._kind(str(event.when))), reset)
-
-    def _after(self, mode: str, event: Any, kind: int) -> list[Branch]:
-        if event.to or mode not in self.slides:
-            return [*self._into(event.to or mode, kind)]
-        return self._on(self.slides[mode], None, kind)
+        returns = FORCING if clock == FORCING else f"{clock} returns" + (f" to {to}" if to else "")
+        kind = self._kind(str(event.when) if event and not clock else returns)
+        stays = event and not to and mode in self.slides
+        branches = self._on(self.slides[mode], None, kind) if stays else [*self._into(to or mode, kind)]
+        return self._transition(f"{clock or k} in {mode}", branches, reset)
 
     def _into(self, mode: str, kind: int, known: Any = (), before: tuple[str, ...] = ()) -> Iterator[Branch]:
         """Branches into a mode, or on from it where an event that resets nothing, or a surface, is past already."""
@@ -377,21 +361,11 @@ def _common(periods: Sequence[arb]) -> arb | None:
     return periods[0] * math.lcm(*(x.numerator for x in shares)) / math.gcd(*(x.denominator for x in shares))
 
 
-def scaled(row: Affine, factor: Any) -> Affine:
-    """Return an affine function times a number; what is not there stays so."""
-    gone = factor.__class__ is int and not factor
-    return tuple(0 if gone or (x.__class__ is int and not x) else factor * x for x in row)
-
-
-def _plus(left: Affine, right: Affine) -> Affine:
-    return tuple(added(x, y) for x, y in zip(left, right, strict=True))
-
-
 def _rate(row: Affine, field: Sequence[Affine]) -> Affine:
     """Return the rate of an affine function along a field."""
     total: Affine = tuple(0 for _ in row)
     for x, own in zip(row, field, strict=False):
-        total = _plus(total, scaled(own, x))
+        total = plus(total, scaled(own, x))
     return total
 
 
@@ -401,19 +375,14 @@ def _composed(row: Affine, reset: Sequence[Affine]) -> Affine:
     return (*total[:-1], added(total[-1], row[-1]))
 
 
-def _linear(row: Affine) -> list[int]:
-    """Return the places of the coefficients of states that are there."""
-    return [i for i, x in enumerate(row[:-1]) if x.__class__ is not int or x]
-
-
 def _off(row: Affine, surface: Affine) -> Affine:
     """Return an affine function as it is on a surface, without the coordinate that counts there most."""
-    k = max(_linear(surface), key=lambda i: (abs(float(surface[i])), -i))
-    other = _plus(row, scaled(surface, -row[k] / surface[k])) if row[k].__class__ is not int else row
+    k = max(linear(surface), key=lambda i: (abs(float(surface[i])), -i))
+    other = plus(row, scaled(surface, -row[k] / surface[k])) if row[k].__class__ is not int else row
     return tuple(0 if i == k else x for i, x in enumerate(other))
 
 
 def _key(row: Affine) -> tuple[float, ...]:
     """Return what affine functions with one zero set, and one sign, have in common."""
-    size = max(abs(float(row[i])) for i in _linear(row))
+    size = max(abs(float(row[i])) for i in linear(row))
     return tuple(float(f"{float(x) / size:.12e}") + 0.0 for x in row)

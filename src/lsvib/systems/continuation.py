@@ -17,14 +17,16 @@ import math
 from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
 from lsvib.errors import EngineError, InputError
-from lsvib.numbers import Progress, bisected
+from lsvib.numbers import NotNumber, Progress, bisected, number, shown, whole_between
 from lsvib.systems.cycles import Cycle, cycle_from, same_cycle
+from lsvib.systems.kernels.saltation import crossed_guard
 from lsvib.systems.section import AT_REST
-from lsvib.systems.shooting import Build, Itinerary, Shooting, Shot, Solved, Units, alike
+from lsvib.systems.shooting import Build, Itinerary, Shooting, Shot, Solved, Units, alike, rate_of
 
 _FIRST = 1e-2  # step of a piece, in sizes of the motion and of the parameter
 _LONGEST = 2.5e-2
@@ -34,6 +36,7 @@ _TO_ROUNDING = 1e-16
 _DISTANCES = (1e-4, 1e-6, 1e-8)  # δ from a border, in q
 _NEARER = 0.3  # most that is left of the distance from the orbit where δ falls to its hundredth; its root leaves 0.1
 _BACK = "it comes back to where it began"
+_TOUCHES = 0.05  # speed at an event, as a part of the largest, next to a border at which it only touches
 _FLAT = 1e-10  # in q, by which rounding may turn a branch
 _NOTHING = 1e-4  # extent of a cycle, in sizes of the motion, that is about to vanish
 
@@ -42,13 +45,15 @@ _NOTHING = 1e-4  # extent of a cycle, in sizes of the motion, that is about to v
 class Change:
     """Something happens at a ``value`` [SI unit] of the parameter, at a length ``along`` [1] of the branch.
 
-    ``kind`` is fold, itinerary, stability, or end; ``what`` says it in words, as ``along`` grows.
+    ``kind`` is fold, itinerary, stability, or end; ``what`` says it in words, as ``along`` grows; ``name``: fold,
+    period doubling, Neimark–Sacker, grazing, border collision, or nothing.
     """
 
     kind: str
     value: float
     what: str
     along: float
+    name: str = ""
 
 
 @dataclass(frozen=True)
@@ -103,6 +108,20 @@ def follow_cycle(
     points = [replace(point, along=-point.along) for point in reversed(down.points[1:])]
     changes = [replace(change, along=-change.along) for change in reversed(down.changes)]
     return CycleBranch(parameter, (*points, *up.points), (*changes, *up.changes))
+
+
+def span_of(owner: str, parameter: str, here: float, span: Any, points: Any) -> tuple[tuple[float, float], int]:
+    """Return the ends of a span that holds the ``owner``'s own value, and the most points; raises ``InputError``."""
+    try:
+        low, high = (number(value) for value in span)
+    except (NotNumber, TypeError, ValueError):
+        raise InputError(f"span = {shown(span)} is not two numbers.") from None
+    if not low < high or not low <= here <= high:
+        raise InputError(
+            f"span = {low:g} to {high:g} is outside the allowed range: "
+            f"it holds the {owner}'s own {parameter} = {here:g}."
+        )
+    return (low, high), whole_between("points", points, 2, 100_000)  # more cycles would fill the memory
 
 
 def _allowed(build: Build, start: float, end: float) -> tuple[float, str]:
@@ -164,9 +183,9 @@ class _Walk:
             self._change("end", here, self.ends[int(here.tangent[-1] > 0)])
         return bool(self.changes) and self.changes[-1].kind == "end"
 
-    def _change(self, kind: str, at: Solved, what: str, further: float = 0.0) -> None:
+    def _change(self, kind: str, at: Solved, what: str, further: float = 0.0, name: str = "") -> None:
         """Note a change at a point, so much further along than the last point."""
-        self.changes.append(Change(kind, self.units.value(at.z), what, self.points[-1].along + further))
+        self.changes.append(Change(kind, self.units.value(at.z), what, self.points[-1].along + further, name))
 
     def _reached(self, shooting: Shooting, here: Solved, there: Solved, cycle: Cycle) -> bool:
         """Note a point of the same piece and what changes on the way to it; returns whether the branch goes on."""
@@ -183,7 +202,7 @@ class _Walk:
             self._change("end", turn, f"its {parts} parts become one cycle, of a period of 1/{parts} of its own")
             return False
         elif (turn.z[-1] - here.z[-1]) * (turn.z[-1] - there.z[-1]) > _FLAT**2:  # beyond both, and not by rounding
-            self._change("fold", turn, "two cycles meet", float(np.linalg.norm(turn.z - here.z)))
+            self._change("fold", turn, "two cycles meet", float(np.linalg.norm(turn.z - here.z)), "fold")
         self._add(here, there, cycle)
         back = self._comes_back(shooting, here, there)
         if back:
@@ -203,7 +222,9 @@ class _Walk:
         point = _halved(shooting, here, there, lambda other: _outside(_cycle(other)) == outside)
         leading = (_cycle(point) or before).multipliers[0]
         what = "a pair of multipliers" if leading.imag else f"a multiplier {'+1' if leading.real > 0 else '−1'}"
-        self._change("stability", point, f"{what} passes the unit circle", float(np.linalg.norm(point.z - here.z)))
+        name = "Neimark–Sacker" if leading.imag else "" if leading.real > 0 else "period doubling"
+        further = float(np.linalg.norm(point.z - here.z))
+        self._change("stability", point, f"{what} passes the unit circle", further, name)
 
     def _comes_back(self, shooting: Shooting, here: Solved, there: Solved) -> bool:
         """Whether the branch passes its first cycle between two points."""
@@ -220,31 +241,34 @@ class _Walk:
         behind, nearest = _other(shooting, last)
         cycle, further = None if behind is None else _cycle(behind), float(np.linalg.norm(last.z - here.z))
         if behind is None or cycle is None:
-            self._change("end", last, self._why(shooting, last, nearest), further)
+            what, name = self._why(shooting, last, nearest)
+            self._change("end", last, what, further, name)
             return None
         words = _in_words(last, behind) if self.way > 0 else _in_words(behind, last)
+        name = _border(last, behind)
         if words:
-            self._change("itinerary", last, words, further)
+            self._change("itinerary", last, words, further, name)
         if last.tangent[-1] * (behind.z[-1] - last.z[-1]) < 0:
-            self._change("fold", last, "two cycles meet, of different events", further)
+            self._change("fold", last, "two cycles meet, of different events", further, name)
         self._add(here, behind, cycle)
         return behind
 
-    def _why(self, shooting: Shooting, last: Solved, nearest: Solved | None) -> str:
-        """What is known of why no piece is found behind the last point of one; ``nearest``: a cycle that is there."""
+    def _why(self, shooting: Shooting, last: Solved, nearest: Solved | None) -> tuple[str, str]:
+        """Why no piece is found behind the last point of one, and the border's name; ``nearest``: a cycle there."""
         extent = _extent(shooting, last)
         if extent < 1e2 * _NOTHING:
-            return f"it has shrunk to {100 * extent:.1g} % of the motion at its start, and is not found further"
+            return f"it has shrunk to {100 * extent:.1g} % of the motion at its start, and is not found further", ""
         beyond = next(_otherwise(shooting, last), None)
         if beyond is None:
-            return "no further cycle is found, by Newton's method or by motions from next to its orbit"
+            return "no further cycle is found, by Newton's method or by motions from next to its orbit", ""
         what = f"it {_in_words(last, beyond) or 'changes the order of its events'}"
         if last.rests and not beyond.rests:
             what = "it no longer comes to rest"
         if not alike(last.motion.automaton, beyond.motion.automaton):
             what += " as the system gets other modes"
         other = "" if nearest is None else f"; the nearest has a period of {nearest.motion.end_time:.9g} s"
-        return f"{what}, and no cycle of other events is found to close on its orbit{other}"
+        what += f", and no cycle of other events is found to close on its orbit{other}"
+        return what, _border(last, beyond)
 
 
 def _stepped(shooting: Shooting, here: Solved, step: float) -> tuple[Solved | None, float]:
@@ -395,6 +419,28 @@ def _in_words(one: Shot, other: Shot) -> str:
     changes = ("loses", before - after), ("gains", after - before)
     named = [(verb, ", ".join(f"{kind} into {mode}" for kind, mode in sorted(events))) for verb, events in changes]
     return " and ".join(f"{verb} {events}" for verb, events in named if events).replace("_", " ")
+
+
+def _border(one: Shot, other: Shot) -> str:
+    """The name of a border between cycles: by an event that one of them lacks, which only touches, or meets another."""
+    before, after = (Counter(shot.itinerary) for shot in (one, other))
+    shot, extra = (one, before - after) if before - after else (other, after - before)
+    motion, automaton = shot.motion, shot.motion.automaton
+    modes, _, ends, _ = motion.arcs()
+    own = [
+        (int(kind), int(automaton.codes[mode])) in extra for kind, mode in zip(motion.kind, motion.mode, strict=True)
+    ]
+    others = motion.time[~np.array(own) & ~automaton.marked(motion.kind, "passage")]
+    states, along = motion.at(motion.end_time * np.linspace(0.0, 1.0, 64))
+    rates = np.array([rate_of(automaton, int(mode), state) for mode, state in zip(along, states, strict=True)])
+    for k in np.flatnonzero(own):
+        guard = crossed_guard(automaton.tables, modes[k], motion.kind[k], motion.mode[k], ends[k])
+        row = automaton.tables.surfaces[automaton.tables.guard_surface[guard], :-1]
+        speed = abs(row @ rate_of(automaton, int(modes[k]), ends[k])) / np.abs(rates @ row).max()
+        apart = np.abs((others - motion.time[k]) / motion.end_time)
+        if guard >= 0 and speed < _TOUCHES * min([1.0, *10 * np.minimum(apart, 1 - apart)]):
+            return "grazing"
+    return "border collision"
 
 
 def _extent(shooting: Shooting, shot: Shot) -> float:

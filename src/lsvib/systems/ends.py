@@ -1,19 +1,19 @@
 """Motions of a system of one's own, what they end on, and its cycles."""
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from lsvib import numbers
 from lsvib.errors import AccumulationError, BranchError, EngineError, InputError, WorkSpentError
 from lsvib.numbers import names_and_values, shown
-from lsvib.systems import attractor
 from lsvib.systems.assembly import Made, made
-from lsvib.systems.attractor import Attractor, Doubt, SteadyState
+from lsvib.systems.attractor import Attractor, Doubt, KnownCycles, SteadyState, end_of_motion, orbit_extremes
 from lsvib.systems.cycles import Cycle, cycle_of, same_cycle
 from lsvib.systems.kernels.layout import ACCUMULATION_KIND, Events, Status
 from lsvib.systems.motion import Budget, Motion, follow
@@ -69,6 +69,53 @@ class End:
         """Period [s]; nan for what has none."""
         return self.orbit.end_time if self.orbit else math.nan
 
+    def extremes(self, k: int) -> tuple[float, float]:
+        """Return the smallest and largest value of a state, by its place; nan of what stays nowhere."""
+        if self.orbit is not None:
+            return orbit_extremes(self.orbit, np.eye(1, self.orbit.start_state.size + 1, k)[0])
+        value = [*self.state.values()][k] if self.label == Label.EQUILIBRIUM else math.nan
+        return value, value
+
+    def to_json(self) -> dict[str, Any]:
+        """Return it as plain numbers and names; what it has not is left out."""
+        found: dict[str, Any] = {"label": self.label.value, "mode": self.mode, "state": dict(self.state)}
+        if self.orbit is not None:
+            found |= {"period": self.period} | ({"turns": self.turns} if self.turns else {})
+        if self.cycle is not None:
+            multipliers = self.cycle.to_json_multipliers()[: self.multipliers.size]
+            error = self.multiplier_error if math.isfinite(self.multiplier_error) else None
+            found |= {"attracting": self.cycle.attracting, "multipliers": multipliers, "multiplier_error": error}
+            found |= {"events": [*map(list, self.cycle.itinerary)]}
+        return found | ({"unresolved_because": self.reason} if self.doubt else {})
+
+    def text(self) -> Iterator[str]:
+        """Say it in lines."""
+        where = ", ".join(f"{name} = {x:.15g}" for name, x in self.state.items())
+        yield f"{self.label}{f' in mode {self.mode}' if self.mode else ''}: {self.reason or where}"
+        if self.orbit is not None:
+            turns = f", {self.turns} of the forcing" if self.turns else ""
+            yield f"  period {self.period:.15g} s{turns}"
+        if self.cycle is not None:
+            values = (f"{x.real:.10g}{f' {x.imag:+.10g}i' if x.imag else ''}" for x in self.multipliers)
+            yield f"  multipliers {', '.join(values) or 'none'} (± {self.multiplier_error:.1g})"
+            yield f"  events: {', '.join(f'{kind} into {mode}' for kind, mode in self.cycle.itinerary)}"
+
+
+class Known(NamedTuple):
+    """Cycles that motions may join: what the rule knows of them, the ends that they are, of how many that are known."""
+
+    table: KnownCycles
+    ends: Mapping[int, End]
+    known: int
+
+    @classmethod
+    def of(cls, own: Made, ends: Sequence[End]) -> "Known":
+        """Return what is known where some ends are, of which the cycles count."""
+        cycles = [one for one in ends if one.cycle]
+        found = [SteadyState(Attractor.OTHER_CYCLE, one.orbit.start_state, one.orbit) for one in cycles if one.orbit]
+        table = KnownCycles.of(found, own.automaton, 1024)  # others are looked for after so many events
+        return cls(table, dict(zip(map(id, found), cycles, strict=True)), len(ends))
+
 
 def start_of(system: System, mode: str, state: Mapping[str, Any] | None = None) -> tuple[int, np.ndarray]:
     """Return the mode of a start, as the engine counts it, and all coordinates (n); missing states are zero.
@@ -77,7 +124,7 @@ def start_of(system: System, mode: str, state: Mapping[str, Any] | None = None) 
     an event whose condition holds already happens at once. ``InputError`` for one that is no start.
     """
     own, given = made(system), names_and_values("start", state)
-    if mode not in own.modes:
+    if mode not in [*own.modes]:
         raise InputError(f"{shown(mode)} is no mode of the system; modes are {', '.join(own.modes)}.")
     names, found = own.automaton.states, own.begin.copy()
     for name, value in given.items():
@@ -103,16 +150,12 @@ def _beside(own: Made, mode: str, state: np.ndarray) -> str:
     return mode
 
 
-def motion(
-    system: System, mode: str, state: Mapping[str, Any] | None, t_end: Any, budget: Budget | None = None
-) -> Motion:
-    """Follow the motion of a system from a start to ``t_end`` [s], which may be infinite if it settles.
+def motion(own: Made, number: int, place: np.ndarray, t_end: float, budget: Budget | None = None) -> Motion:
+    """Follow a motion from a mode and a state (n) to ``t_end`` [s], which may be infinite if it settles.
 
     Where events accumulate, what follows begins at the limit of their times. Raises ``EngineError`` in words of the
     system where nothing is said of what follows.
     """
-    own, t_end = made(system), numbers.number(t_end)
-    number, place = start_of(system, mode, state)
     pieces: list[Motion] = []
     now = 0.0
     while not pieces or pieces[-1].status == Status.STOP_EVENT:
@@ -183,8 +226,10 @@ def _in_words(
             )
         texts = " or ".join(border.text for border in on)
         return EngineError(f"the motion from mode {here} meets two surfaces at once {where} ({texts} = 0).")
-    before = follow(own.automaton, place, error.time * (1 - 1e-12), mode=mode)
-    limit = _limit(before.time, before.after)
+    limit = None
+    with suppress(EngineError):
+        before = follow(own.automaton, place, error.time * (1 - 1e-12), mode=mode)
+        limit = _limit(before.time, before.after)
     if limit is None:
         return EngineError(f"events follow each other {where} without end and without time, from mode {here} on.")
     return AccumulationError(
@@ -195,12 +240,21 @@ def _in_words(
 
 def end_of(system: System, mode: str, state: Mapping[str, Any] | None = None, max_events: int = 300_000) -> End:
     """Return what the motion from a start ends on."""
-    own = made(system)
-    number, place = start_of(system, mode, state)
+    return end_from(made(system), *start_of(system, mode, state), max_events)
+
+
+def end_from(own: Made, number: int, place: np.ndarray, max_events: int = 300_000, known: Known | None = None) -> End:
+    """Return what the motion from a mode and a state (n), as the engine counts them, ends on.
+
+    It may be found to join ``known`` cycles.
+    """
     if own.period is not None and math.isnan(own.period):
         raise InputError("harmonics and clocks of the system have no common period, so that no motion of it repeats.")
     for _ in range(_ROUNDS):
-        steady = attractor.steady_state(own.automaton, place, mode=number, max_events=max_events)
+        joined = known and known.table
+        steady, _ = end_of_motion(own.automaton, place, mode=number, max_events=max_events, known=joined)
+        if known and id(steady) in known.ends:
+            return known.ends[id(steady)]
         brief = steady.orbit is not None and steady.orbit.end_time < own.brief
         if not brief and steady.doubt != Doubt.ACCUMULATION:
             break
@@ -209,30 +263,21 @@ def end_of(system: System, mode: str, state: Mapping[str, Any] | None = None, ma
         except EngineError as error:
             return End(Label.UNRESOLVED, "", _named(own, steady.state), doubt=Doubt.ACCUMULATION, reason=str(error))
         number, place = piece.end_mode, piece.end_state
-    if _LABELS.get(steady.label) == Label.EQUILIBRIUM:
-        return _still(own, motion(system, mode, state, math.inf))
-    end = end_from(own, steady)
-    if end.doubt is None:
-        return end
-    try:
-        motion(system, mode, state, math.inf, Budget(_EXPLAINED))
-    except WorkSpentError:
-        return replace(end, reason=str(end.doubt))
-    except EngineError as error:
-        return replace(end, reason=str(error))
-    return replace(end, reason=str(end.doubt))
-
-
-def end_from(own: Made, steady: SteadyState) -> End:
-    """Return an end from what the rule found."""
-    label, orbit = _LABELS.get(steady.label, Label.CYCLE), steady.orbit
-    if label == Label.CYCLE and orbit:
+    label, orbit, reason = _LABELS.get(steady.label, Label.CYCLE), steady.orbit, str(steady.doubt or "")
+    if label == Label.CYCLE:
         cycle = cycle_of(steady)
-        if cycle is None:
-            return End(Label.UNRESOLVED, "", _named(own, steady.state), doubt=Doubt.ENGINE)
-        return end_of_cycle(own, cycle)
+        if cycle is not None:
+            return end_of_cycle(own, cycle)
+        steady, label = replace(steady, doubt=Doubt.ENGINE), Label.UNRESOLVED
+    try:
+        if label == Label.EQUILIBRIUM:
+            return _still(own, motion(own, number, place, math.inf, Budget(max_events)))
+        if steady.doubt is not None:
+            motion(own, number, place, math.inf, Budget(_EXPLAINED))
+    except EngineError as error:
+        reason = reason if isinstance(error, WorkSpentError) else str(error)
     mode = own.automaton.modes[orbit.start_mode] if orbit else ""
-    return End(label, mode, _named(own, steady.state), orbit=orbit, doubt=steady.doubt)
+    return End(label, mode, _named(own, steady.state), orbit=orbit, doubt=steady.doubt, reason=reason)
 
 
 def end_of_cycle(own: Made, cycle: Cycle) -> End:
@@ -267,25 +312,8 @@ def _named(own: Made, state: np.ndarray) -> dict[str, float]:
     return dict(zip(names, state.tolist(), strict=False))
 
 
-def search(
-    system: System, starts: Iterable[tuple[str, Mapping[str, Any]]], max_events: int = 300_000
-) -> tuple[list[End], list[int]]:
-    """Return what motions from starts – mode and state – end on, each once, and which of it each start ends on."""
-    found: list[End] = []
-    numbers_of_ends = []
-    for mode, state in starts:
-        end = end_of(system, mode, state, max_events)
-        same = [k for k, other in enumerate(found) if _same(end, other)]
-        numbers_of_ends.append(same[0] if same else len(found))
-        found += [] if same else [end]
-    return found, numbers_of_ends
-
-
-def _same(one: End, other: End) -> bool:
-    """Whether two ends are one; of those without a cycle or an equilibrium all that are unresolved for one reason."""
-    if (one.label, one.mode, one.doubt) != (other.label, other.mode, other.doubt) and not (one.cycle and other.cycle):
-        return False
+def same_end(one: End, other: End) -> bool:
+    """Whether two ends are one: a cycle, or what is side by side in one mode, or unresolved for one reason."""
     if one.cycle and other.cycle:
         return same_cycle(one.cycle, other.cycle)
-    places = np.array([[*end.state.values()] for end in (one, other)])
-    return one.label != Label.EQUILIBRIUM or bool(np.ptp(places, axis=0).max() <= 1e-7 * np.abs(places).max())
+    return (one.label, one.mode, one.doubt) == (other.label, other.mode, other.doubt)

@@ -38,49 +38,54 @@ class Reader:
 
     def __init__(self, states: Sequence[str], known: Mapping[str, arb]) -> None:
         self.place, self.known, self.size = {name: i for i, name in enumerate(states)}, known, len(states) + 1
+        self.text, self.start = "", ""  # what is read now, and how a sentence about it starts
 
     def affine(self, given: Any, about: str) -> Affine:
         """Return an expression, or a number, as an affine function of the states."""
+        self.start = f"{about} = {shown(given)}"
         if isinstance(given, (int, float)) and not isinstance(given, bool):
-            return self._checked(self._constant(arb(given)), str(given), about)
-        tree, text = _parsed(given, about)
-        return self._checked(self._read(tree.body, text, about), text, about)
+            return self._checked(self._constant(arb(given)))
+        tree, self.text = _parsed(given, about)
+        return self._checked(self._read(tree))
 
     def number(self, given: Any, about: str) -> arb:
         """Return an expression without states as a ball."""
         row = self.affine(given, about)
-        if any(not _zero(x) for x in row[:-1]):
-            raise InputError(f"{about} = {shown(given)} depends on a state, where a number is needed.")
+        if linear(row):
+            raise self._refusal("depends on a state, where a number is needed.")
         return arb(row[-1])
 
     def comparison(self, given: Any, about: str) -> Affine:
         """Return a condition such as ``x > 1`` as the affine function that is positive where it holds."""
-        tree, text = _parsed(given, about)
-        one = tree.body
+        self.start, (one, self.text) = f"{about} = {shown(given)}", _parsed(given, about)
         if not isinstance(one, ast.Compare) or len(one.ops) != 1:
-            raise InputError(f"{about} = {shown(given)} is not a condition, such as x > 1.")
-        sides = [self._read(side, text, about) for side in (one.left, one.comparators[0])]
+            raise self._refusal("is not a condition, such as x > 1.")
+        sides = [self._read(side) for side in (one.left, one.comparators[0])]
         if isinstance(one.ops[0], (ast.Lt, ast.LtE)):
             sides.reverse()
         elif not isinstance(one.ops[0], (ast.Gt, ast.GtE)):
-            raise InputError(f"{about} = {shown(given)} compares neither by > nor by <.")
-        return self._checked(_sum(sides[0], sides[1], -1), text, about)
+            raise self._refusal("compares neither by > nor by <.")
+        return self._checked(plus(sides[0], sides[1], -1))
 
-    def _checked(self, row: Affine, text: str, about: str) -> Affine:
-        for x in row:
-            if not abs(float(x)) < LARGEST:  # nor is it nan
-                raise InputError(f"{about} = {shown(text)} has a coefficient that is no number below {LARGEST:g}.")
+    def _refusal(self, what: str) -> InputError:
+        return InputError(f"{self.start} {what}")
+
+    def _checked(self, row: Affine) -> Affine:
+        if not all(abs(float(x)) < LARGEST for x in row):  # nor is one nan
+            raise self._refusal(f"has a coefficient that is no number below {LARGEST:g}.")
         return row
 
     def _constant(self, value: Any) -> Affine:
+        if isinstance(value, arb) and not value.is_finite():
+            raise self._refusal("is no real number.")
         return (*(0 for _ in range(self.size - 1)), 0 if value == 0 else value)
 
-    def _read(self, node: ast.expr, text: str, about: str) -> Affine:
+    def _read(self, node: ast.expr) -> Affine:
         match node:
             case ast.Constant(value=int(value)) if type(value) is int:
                 return self._constant(arb(value))
             case ast.Constant(value=float()):
-                return self._constant(arb(str(ast.get_source_segment(text, node)).replace("_", "")))
+                return self._constant(arb(str(ast.get_source_segment(self.text, node)).replace("_", "")))
             case ast.Name(id=name) if name in self.place:
                 return tuple(arb(1) if i == self.place[name] else 0 for i in range(self.size))
             case ast.Name(id="pi"):
@@ -88,105 +93,89 @@ class Reader:
             case ast.Name(id=name) if name in self.known:
                 return self._constant(self.known[name])
             case ast.Name(id=name):
-                names = ", ".join([*self.place, *self.known])
-                raise InputError(f"{about} = {shown(text)} has the unknown name {name}; known are {names or 'none'}.")
+                names = ", ".join([*self.place, *self.known]) or "none"
+                raise self._refusal(f"has the unknown name {name}; known are {names}.")
             case ast.UnaryOp(op=ast.UAdd() | ast.USub(), operand=operand):
-                own = self._read(operand, text, about)
-                return own if isinstance(node.op, ast.UAdd) else _times(own, -1)
-            case ast.BinOp():
-                return self._operation(node, text, about)
+                return scaled(self._read(operand), 1 if isinstance(node.op, ast.UAdd) else -1)
+            case ast.BinOp(op=ast.Add() | ast.Sub() | ast.Mult() | ast.Div() | ast.Pow()):
+                return self._operation(node)
             case ast.Call(func=ast.Name(id=name), args=[argument], keywords=[]) if name in FUNCTIONS:
-                own = self._read(argument, text, about)
-                return self._constant(_function(name, self._plain(own, node, text, about), text, about))
-        raise InputError(
-            f"{about} = {shown(text)} holds {shown(ast.unparse(node))}, which is not understood: numbers, names, "
-            f"+ - * / **, {', '.join(FUNCTIONS)} and pi are."
-        )
+                number = arb(self._plain(self._read(argument), node))
+                return self._constant(getattr(number, "__abs__" if name == "abs" else name)())
+        what = f"numbers, names, + - * / **, {', '.join(FUNCTIONS)} and pi are."
+        raise self._refusal(f"holds {shown(ast.unparse(node))}, which is not understood: {what}")
 
-    def _operation(self, node: ast.BinOp, text: str, about: str) -> Affine:
-        left, right = (self._read(side, text, about) for side in (node.left, node.right))
-        match node.op:
-            case ast.Add() | ast.Sub():
-                return _sum(left, right, 1 if isinstance(node.op, ast.Add) else -1)
-            case ast.Mult():
-                if _plain(left):
-                    return _times(right, left[-1])
-                return _times(left, self._plain(right, node, text, about))
-            case ast.Div():
-                divisor = arb(self._plain(right, node, text, about))
-                if divisor.contains(0):
-                    raise InputError(f"{about} = {shown(text)} divides by zero.")
-                return _times(left, 1 / divisor)
-            case ast.Pow():
-                power = self._plain(right, node, text, about)
-                if power == 1:
-                    return left
-                base = arb(self._plain(left, node, text, about))
-                return self._constant(_real(base ** arb(power), text, about))
-        raise InputError(f"{about} = {shown(text)} holds {shown(ast.unparse(node))}: only + - * / ** are understood.")
+    def _operation(self, node: ast.BinOp) -> Affine:
+        left, right = self._read(node.left), self._read(node.right)
+        if isinstance(node.op, (ast.Add, ast.Sub)):
+            return plus(left, right, 1 if isinstance(node.op, ast.Add) else -1)
+        if isinstance(node.op, ast.Mult) and not linear(left):
+            return scaled(right, left[-1])
+        second = arb(self._plain(right, node))
+        if isinstance(node.op, ast.Mult):
+            return scaled(left, second)
+        if isinstance(node.op, ast.Pow):
+            return left if second == 1 else self._constant(arb(self._plain(left, node)) ** second)
+        if second.contains(0):
+            raise self._refusal("divides by zero.")
+        return scaled(left, 1 / second)
 
-    def _plain(self, row: Affine, node: ast.expr, text: str, about: str) -> Any:
-        if not _plain(row):
-            term = ast.unparse(node)
-            raise InputError(f"{about} = {shown(text)} is not affine in the states: the term {shown(term)} is not.")
+    def _plain(self, row: Affine, node: ast.expr) -> Any:
+        if linear(row):
+            raise self._refusal(f"is not affine in the states: the term {shown(ast.unparse(node))} is not.")
         return row[-1]
 
 
 def parameters(given: Mapping[str, Any]) -> dict[str, arb]:
     """Return parameters as balls; a value may be an expression of others, in any order."""
     known: dict[str, arb] = {}
-    for start in given:
-        waiting = [start]
-        while waiting:
-            name = waiting[-1]
-            value = given[name]
-            tree = None if isinstance(value, (int, float)) else _parsed(value, f"parameters.{name}")[0]
-            names = {x.id for x in ast.walk(tree) if isinstance(x, ast.Name)} if tree else set()
-            if missing := [x for x in given if x in names and x not in known]:
-                if missing[0] in waiting:
-                    raise InputError(f"parameters.{name} = {shown(value)} depends on itself, by {missing[0]}.")
-                waiting.append(missing[0])
-                continue
-            known[name] = Reader((), known).number(value, f"parameters.{waiting.pop()}")
+    waiting = {name: _names(x, f"parameters.{name}") & {*given} for name, x in given.items()}
+    while waiting:
+        ready = [name for name, names in waiting.items() if not names & {*waiting}]
+        if not ready:
+            name, names = next(iter(waiting.items()))
+            raise InputError(
+                f"parameters.{name} = {shown(given[name])} depends on itself, by {', '.join(sorted(names))}."
+            )
+        for name in ready:
+            known[name] = Reader((), known).number(given[name], f"parameters.{name}")
+            del waiting[name]
     return {name: known[name] for name in given}
 
 
-def _parsed(given: Any, about: str) -> tuple[ast.Expression, str]:
+def _names(given: Any, about: str) -> set[str]:
+    found = [] if isinstance(given, (int, float)) else ast.walk(_parsed(given, about)[0])
+    return {x.id for x in found if isinstance(x, ast.Name)}
+
+
+def _parsed(given: Any, about: str) -> tuple[ast.expr, str]:
     """Return the tree of an expression, and the text that it was read from."""
     if not isinstance(given, str) or len(given) > _LONGEST:
         raise InputError(f"{about} = {shown(given)} is neither a number nor an expression of at most {_LONGEST} signs.")
-    text = " ".join(given.split())
     try:
         with warnings.catch_warnings(action="ignore"):  # of Python, which this is not
-            return ast.parse(text, mode="eval"), text
+            return ast.parse(text := " ".join(given.split()), mode="eval").body, text
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         raise InputError(f"{about} = {shown(given)} is not an expression, such as -x - 0.1*v + A.") from None
-
-
-def _function(name: str, value: Any, text: str, about: str) -> arb:
-    return _real(abs(arb(value)) if name == "abs" else getattr(arb(value), name)(), text, about)
-
-
-def _real(value: arb, text: str, about: str) -> arb:
-    if not value.is_finite():
-        raise InputError(f"{about} = {shown(text)} is no real number.")
-    return value
 
 
 def _zero(x: Any) -> bool:
     return x.__class__ is int and x == 0
 
 
-def _plain(row: Affine) -> bool:
-    return all(map(_zero, row[:-1]))
+def linear(row: Affine) -> list[int]:
+    """Return the places of the coefficients of states that are there."""
+    return [i for i, x in enumerate(row[:-1]) if not _zero(x)]
 
 
-def _sum(left: Affine, right: Affine, factor: int) -> Affine:
+def plus(left: Affine, right: Affine, factor: int = 1) -> Affine:
+    """Return the sum of two affine functions, or their difference."""
     try:
         return tuple(added(x, y if _zero(y) else factor * y) for x, y in zip(left, right, strict=True))
     except EngineError as error:
         raise InputError(str(error)) from None
 
 
-def _times(row: Affine, factor: Any) -> Affine:
+def scaled(row: Affine, factor: Any) -> Affine:
+    """Return an affine function times a number; what is not there stays so."""
     return tuple(0 if _zero(x) or factor == 0 else x * factor for x in row)

@@ -1,14 +1,4 @@
-"""A system of one's own: linear between events, in words and numbers, as a value.
-
->>> from lsvib.systems.system import System
->>> belt = System(
-...     states=["x", "v"], parameters={"mu": 0.2},
-...     modes={"slower": {"x": "v", "v": "-x + mu"}, "faster": {"x": "v", "v": "-x - mu"}},
-...     surfaces=[{"between": ["slower", "faster"], "at": "v - 1"}],
-... )
->>> belt.replace(mu=0.3).parameters
-{'mu': 0.3}
-"""
+"""A system of one's own: linear between events, in words and numbers, as a value."""
 
 from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple, Self
@@ -152,24 +142,23 @@ class System:
     def _event(self, about: str, given: Any) -> Event:
         own = _known(about, given, Event._fields, ("mode",))
         modes = (own["mode"],) if isinstance(own["mode"], str) else tuple(_listed(f"{about}.mode", own["mode"]))
-        for name in _texts(about, [*modes, *(own[key] for key in ("to", "beyond") if own.get(key) is not None)]):
-            if not {*name.split("|")} <= {*self.modes}:
+        for name in (*modes, *(own[key] for key in ("to", "beyond") if own.get(key) is not None)):
+            if not isinstance(name, str) or not {*name.split("|")} <= {*self.modes}:
                 raise InputError(f"{about} names the mode {shown(name)}; modes are {', '.join(self.modes)}.")
         if ("when" in own) == ("at_clock" in own):
             raise InputError(f"{about} needs when, such as x > 1, or at_clock, the name of a clock, and not both.")
-        (key,) = {"when", "at_clock"} & {*own}
-        if _texts(about, [own[key]])[0] not in self.clocks and key == "at_clock":
+        if own.get("at_clock") not in [None, *self.clocks]:
             known = ", ".join(self.clocks) or "none"
-            raise InputError(f"{about}.at_clock = {own[key]} is no clock; clocks are {known}.")
+            raise InputError(f"{about}.at_clock = {own['at_clock']} is no clock; clocks are {known}.")
         reset = _known(f"{about}.reset", own.get("reset"), (*self.states, *self.clocks))
         return Event(**own | {"mode": modes, "reset": {name: _value(x) for name, x in reset.items()}})
 
     def _surface(self, about: str, given: Any) -> SurfaceBetween:
         own = _known(about, given, SurfaceBetween._fields, SurfaceBetween._fields)
-        between = _texts(f"{about}.between", _listed(f"{about}.between", own["between"]))
-        if len(between) != 2 or between[0] == between[1] or not {*between} <= {*self.modes}:
+        between = _listed(f"{about}.between", own["between"])
+        if len(between) != 2 or between[0] == between[1] or any(name not in [*self.modes] for name in between):
             raise InputError(f"{about}.between = {shown(own['between'])} is not two modes of {', '.join(self.modes)}.")
-        return SurfaceBetween((between[0], between[1]), *_texts(f"{about}.at", [own["at"]]))
+        return SurfaceBetween((between[0], between[1]), own["at"])
 
 
 def _listed(about: str, given: Any) -> list[Any]:
@@ -177,12 +166,6 @@ def _listed(about: str, given: Any) -> list[Any]:
     if isinstance(given, (str, Mapping)) or not isinstance(given, Iterable):
         raise InputError(f"{about} = {shown(given)} is not a list.")
     return [*given]
-
-
-def _texts(about: str, given: list[Any]) -> list[str]:
-    if wrong := [one for one in given if not isinstance(one, str)]:
-        raise InputError(f"{about} has {shown(wrong[0])}, which is no text.")
-    return given
 
 
 def _known(about: str, given: Any, allowed: Iterable[str], needed: Iterable[str] = ()) -> dict[str, Any]:

@@ -1,0 +1,196 @@
+"""What can be asked of a system of one's own: datasets, their files and pictures, branches, and the shell."""
+
+import json
+import math
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import lsvib
+from lsvib.answers.io import read_dataset, write_dataset
+from lsvib.errors import EngineError, InputError
+from lsvib.systems import Label, System, answers
+from lsvib.systems.assembly import made
+from lsvib.systems.ends import motion, start_of
+from lsvib.variables import flag_names
+
+KEYS = {
+    "states": ["x", "v"], "parameters": {"A": "1.6", "w": "0.8", "r": "0.8"}, "harmonics": {"c, s": "w"},
+    "modes": {"fly": {"x": "v", "v": "-x - 0.1*v + A*c"}},
+    "events": [{"mode": "fly", "when": "x > 1", "reset": {"v": "-r*v"}},
+               {"mode": "fly", "when": "x < -0.7", "reset": {"v": "-r*v"}}],
+}  # fmt: skip
+STOPS = System(**KEYS)
+ONE = STOPS.replace(events=KEYS["events"][:1], A=1, w=1)
+HOP = System(
+    states=["x", "v"], parameters={"g": 1}, modes={"fly": {"x": "v", "v": "-g"}, "lie": {"x": 0, "v": 0}},
+    events=[{"mode": "fly", "when": "x < 0", "reset": {"v": "-v/2"}, "beyond": "lie"}],
+)  # fmt: skip
+DRY = System(
+    states=["x", "v"], parameters={"w": "0.9", "f": "0.2"}, harmonics={"c, s": "w"},
+    modes={"back": {"x": "v", "v": "-x + f + c"}, "forth": {"x": "v", "v": "-x - f + c"}},
+    surfaces=[{"between": ["back", "forth"], "at": "v"}],
+)  # fmt: skip
+
+
+def test_a_motion_is_a_dataset():
+    found, run = (
+        STOPS.simulate("fly", {"x": 0.1}, 20, samples=101),
+        motion(made(STOPS), *start_of(STOPS, "fly", {"x": 0.1}), 20),
+    )
+    assert np.array_equal(found.x, run.at(found.time)[0][:, 0])
+    assert np.array_equal(found.event_v_after, run.after[:, 1])
+    kinds = flag_names(found.event_kind)
+    assert {kinds[int(k)] for k in found.event_kind} == {"x > 1", "x < -0.7", "phase 0"}
+    assert found.c.values == pytest.approx(np.cos(0.8 * found.time), abs=1e-14)
+    assert System.of(json.loads(found.system)) == STOPS
+    rests = HOP.simulate("fly", {"x": 2}, 10)
+    assert flag_names(rests["mode"])[int(rests["mode"][-1])] == "lie"
+    assert float(rests.event_time[-1]) == pytest.approx(6, rel=1e-14)  # 2 (1 + 2 (1/2 + 1/4 + ...))
+
+
+def test_ends_of_starts_are_found_once_each():
+    found = STOPS.cycles([("fly", {})], box={"x": (-0.5, 0.5), "v": (-1, 1)}, count=9, seed=3)
+    assert sum(found.starts) == 10
+    assert sorted(end.turns for end in found.cycles) == [1, 2]
+    again = STOPS.cycles([("fly", {})], box={"x": (-0.5, 0.5), "v": (-1, 1)}, count=9, seed=3)
+    assert found.to_json() == again.to_json()
+    assert any("period 7.853981633974" in line for line in found.text())
+    ends = HOP.cycles([("fly", {"x": 1}), ("lie", {"x": 3})])
+    assert [end.label for end in ends.ends] == [Label.EQUILIBRIUM]  # rests side by side are one
+
+
+def test_branches_name_what_happens_to_a_cycle():
+    one = ONE.replace(A=0.11)
+    branch = one.follow(one.steady_state("fly"), "A", (0.09, 0.12))
+    assert [change.name for change in branch.changes if change.name] == ["grazing", "grazing", "fold"]
+    assert branch.changes[1].value == pytest.approx(0.1, abs=1e-8)
+    dry = DRY.replace(f="0.6", w="0.6")
+    stops = dry.follow(dry.steady_state("back"), "w", (0.58, 0.66)).changes
+    assert [(x.name, round(x.value, 6)) for x in stops if x.name] == [("border collision", 0.632971)]
+    free = branch.points[0].cycle.multipliers
+    assert free.size == 2
+
+
+def test_values_of_parameters_and_starts_are_mapped():
+    found = STOPS.sweep("fly", {"x": 0.1}, A=[0.5, 1.2, 1.6], w=[0.8])
+    one = STOPS.replace(A=1.2).steady_state("fly", {"x": 0.1})
+    here = found.isel(A=1, w=0)
+    assert (float(here.period), float(here.turns)) == (one.period, one.turns)
+    assert float(here.multiplier) == pytest.approx(abs(one.multipliers[0]), rel=1e-12)
+    assert (float(here.least_x), float(here.largest_x)) == pytest.approx((-0.7, 1))
+    assert here.events.sum() == len(one.cycle.itinerary) - 1  # without the forcing's clock
+    cells = STOPS.map({"x": (-0.5, 0.9, 6), "v": (-1, 1, 5)})
+    assert float(cells.fraction.sum()) == pytest.approx(1)
+    for i, j in ((0, 0), (4, 3), (2, 5)):
+        end = STOPS.steady_state("fly", {"x": float(cells.x[j]), "v": float(cells.v[i])})
+        assert float(cells.end_period[cells.behaviour.values[i, j]]) == pytest.approx(end.period)
+
+
+SWITCHED = {  # planar systems whose maps are made by intervals, or look as if they could
+    "a relay": ({"p": "1 - x - v/10", "m": "-1 - x - v/10"}, "x > 0.3", "x < -0.3"),
+    "two equilibria": ({"p": "1 - x - v/3", "m": "-1 - x - v/3"}, "x < 0", "x > 0"),
+    "one grows": ({"p": "1 - x + v/10", "m": "-1 - x + v/10"}, "x > 0.3", "x < -0.3"),
+}
+
+
+@pytest.mark.parametrize("name", SWITCHED)
+def test_intervals_say_what_motions_say(name, monkeypatch):
+    pushes, *conditions = SWITCHED[name]
+    events = [{"mode": a, "when": when, "to": b} for a, b, when in zip("pm", "mp", conditions, strict=True)]
+    own = System(["x", "v"], {mode: {"x": "v", "v": push} for mode, push in pushes.items()}, events=events)
+    found = own.map({"x": (-2, 2, 12), "v": (-2, 2, 13)}, mode="m")
+    monkeypatch.setattr(answers, "_by_intervals", lambda *_: None)
+    other = own.map({"x": (-2, 2, 12), "v": (-2, 2, 13)}, mode="m")
+    assert np.array_equal(found.label, other.label)
+    pairs = {*zip(found.behaviour.values.ravel().tolist(), other.behaviour.values.ravel().tolist(), strict=True)}
+    assert len(pairs) == found.sizes["end"] == other.sizes["end"]
+
+
+@pytest.mark.parametrize("kind", ["motion", "sweep", "chart", "map", "branch", "cycles"])
+def test_each_answer_is_drawn_and_what_is_a_dataset_also_from_its_file(kind, tmp_path):
+    answer = {
+        "motion": lambda: STOPS.simulate("fly", {}, 9),
+        "sweep": lambda: STOPS.sweep(A=[0.5, 1.0]),
+        "chart": lambda: HOP.sweep("fly", {"x": 1}, g=[1, 2]),
+        "map": lambda: STOPS.map({"x": (-0.5, 0.9, 3), "v": (-1, 1, 3)}),
+        "branch": lambda: ONE.follow(ONE.steady_state("fly"), "A", (0.9, 1.1)),
+        "cycles": lambda: STOPS.cycles([("fly", {})]),
+    }[kind]()
+    assert lsvib.draw(answer).axes
+    if kind in ("motion", "sweep", "chart", "map"):
+        write_dataset(answer, tmp_path / "answer.nc")
+        assert lsvib.draw(tmp_path / "answer.nc").axes
+
+
+REFUSED = [
+    (lambda: STOPS.simulate("fly", {}, -1), "duration = -1 is negative."),
+    (lambda: STOPS.simulate("fall", {}, 1), "'fall' is no mode of the system; modes are fly."),
+    (lambda: STOPS.cycles(), "give starts, as"),
+    (lambda: STOPS.cycles(box={"x": 1}), "starts = () are not pairs of mode and state, or box = {'x': 1} has"),
+    (lambda: STOPS.cycles([3]), "starts = [3] are not pairs of mode and state"),
+    (lambda: STOPS.cycles(box={"x": (1, 0)}), "axis x has start = 1 and stop = 0; it needs start < stop."),
+    (lambda: STOPS.cycles(box={"x": (0, 1)}, seed=-1), "seed = -1 is outside"),
+    (lambda: STOPS.steady_state(["fly"]), "['fly'] is no mode of the system"),
+    (lambda: STOPS.replace(w=-1), "harmonics = w of c and s is not positive."),
+    (lambda: System(["x"], {"go": {"x": "x"}}).simulate("go", {"x": 1}, 1e5), "the motion grows without bound"),
+    (lambda: STOPS.sweep(B=[1]), "'B' is no parameter of the system; its parameters are A, w, r."),
+    (lambda: STOPS.sweep(A=1), "over: A = 1 is not a list of numbers."),
+    (lambda: STOPS.follow(HOP.steady_state("lie"), "A", (1, 2)), "what is followed is one cycle"),
+    (lambda: STOPS.follow(ONE.steady_state("fly"), "A", (1, 2)), "the cycle belongs to another system"),
+    (lambda: ONE.follow(ONE.steady_state("fly"), "A", (2, 3)), "span = 2 to 3 is outside the allowed range"),
+    (lambda: STOPS.map({"x": (0, 1, 5)}), "grid spans 1 coordinates"),
+    (lambda: System(["mode"], {"go": {"mode": 1}}).simulate("go", {}, 1), "mode has a meaning of its own"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("ask", "sentence"), REFUSED)
+def test_what_cannot_be_asked_is_refused_in_one_sentence(ask, sentence):
+    with pytest.raises((InputError, EngineError)) as caught:
+        ask()
+    assert str(caught.value).startswith(sentence)
+    assert "\n" not in str(caught.value)
+
+
+FILE = """
+states: [v, i]
+parameters: {E: 24, R: 22, L: 20e-3, C: 47e-6, Vr: 11.3, a: 8.4, low: 3.8, high: 8.2, T: 400e-6}
+clocks: {t: T}
+modes:
+  on: {v: (i - v/R)/C, i: (E - v)/L}
+  off: {v: (i - v/R)/C, i: -v/L}
+events:
+  - {mode: on, when: a*(v - Vr) > low + (high - low)*t/T, to: off}
+  - {mode: off, when: a*(v - Vr) < low + (high - low)*t/T, to: on}
+"""
+COMMANDS = [
+    ("simulate --start on v=12 i=0.5 --duration 1e-3 --out m.nc --figure m.png", "0.0004"),
+    ("cycles --box v=11:13 i=0:1 --count 3", "0.0004"),
+    ("follow --start on v=12 --over E=23:25 --out b.nc", "period doubling"),
+    ("sweep --start on v=12 --over E=24:25:2 --out s.csv", "period_2"),
+    ("attraction --start on --grid v=11:13:3 i=0:1:2 --out a.nc", "cycle"),
+]
+
+
+@pytest.mark.parametrize(("line", "said"), COMMANDS)
+def test_the_shell_reads_a_file(line, said, tmp_path):
+    (tmp_path / "buck.yaml").write_text(FILE, encoding="utf-8")
+    command, *more = line.split()
+    run = [sys.executable, "-m", "lsvib", command, "--system", "buck.yaml", *more, "--json"]
+    done = subprocess.run(run, cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert said in done.stdout
+    assert json.loads(done.stdout)
+    if command == "simulate":
+        assert read_dataset(tmp_path / "m.nc").sizes["event"] > 3
+        assert math.isclose(float(read_dataset(tmp_path / "m.nc").time[-1]), 1e-3)
+
+
+def test_systems_load_nothing_of_drives():
+    code = (
+        "import sys; from lsvib.systems import System; s = System(['x'], {'go': {'x': '-x'}}); s.simulate('go', {}, 1)"
+    )
+    code += "; print([name for name in sys.modules if 'lsvib.drives' in name or 'lsvib.answers' in name])"
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stdout == "[]\n"
