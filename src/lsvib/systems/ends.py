@@ -160,13 +160,11 @@ def motion(own: Made, number: int, place: np.ndarray, t_end: float, budget: Budg
     now = 0.0
     while not pieces or pieces[-1].status == Status.STOP_EVENT:
         piece = _stretch(own, number, place, now, max(t_end - now, 0.0), budget)
-        pieces.append(replace(piece, start_time=now))
+        pieces.append(replace(piece, time=now + piece.time))
         now, number, place = now + piece.end_time, piece.end_mode, piece.end_state
     first, last = pieces[0], pieces[-1]
     columns: dict[str, Any] = {name: np.concatenate([getattr(one, name) for one in pieces]) for name in Events._fields}
-    columns["time"] = np.concatenate([one.start_time + one.time for one in pieces])
-    start = first.start_mode, first.start_state
-    return replace(last, start_time=0.0, start_mode=start[0], start_state=start[1], end_time=now, **columns)
+    return replace(last, start_mode=first.start_mode, start_state=first.start_state, end_time=now, **columns)
 
 
 def _stretch(own: Made, mode: int, place: np.ndarray, now: float, t_end: float, budget: Budget | None) -> Motion:
