@@ -169,16 +169,16 @@ def _cases(rows: "list[tuple[Case, CaseOutcome]]") -> dict[str, tuple]:
     damping = np.array([c.drive.contact_damping or np.nan for c, _ in rows])
     # On the edge itself the logarithm is −inf, which is stored as missing.
     level = np.array([case.level for case, _ in rows])
+    found = {name: np.array([_number(o, name) for _, o in rows], np.float32) for name in _NUMBERS}
+    if np.isnan(found["sensitivity"]).all():  # no case was asked for it
+        del found["sensitivity"]
     return {
         "case_family": flagged("case", [c.family for c, _ in rows], "family of the case", CaseFamily),
         "level": variable("case", np.where(np.isfinite(level), level, np.nan).astype(np.float32), "1", _WORDS["level"]),
         "damping_level": variable("case", np.log10(damping).astype(np.float32), "1", _WORDS["damping_level"]),
         "case_verdict": flagged("case", [o.verdict for _, o in rows], "verdict on the case", VERDICTS),
         "events": variable("case", np.array([o.events for _, o in rows], np.int32), "1", "number of events"),
-        **{
-            name: variable("case", np.array([_number(o, name) for _, o in rows], np.float32), *about)
-            for name, about in _NUMBERS.items()
-        },
+        **{name: variable("case", values, *_NUMBERS[name]) for name, values in found.items()},
     }
 
 
@@ -215,6 +215,7 @@ def _families(axes: Axes, dataset: xr.Dataset, digits: np.ndarray, asked: np.nda
     names = flag_names(dataset.edge_family)
     outcomes = flag_names(dataset.outcome)
     total = int(dataset.case_count.sum())
+    moved = dataset.get("sensitivity", np.nan * dataset.level).values
     rng = np.random.default_rng(0)  # scatter of the dots across their row, no data
     for row, family in enumerate(dataset.edge_family.values):
         chosen = asked & (dataset.case_family.values == family)
@@ -222,8 +223,7 @@ def _families(axes: Axes, dataset: xr.Dataset, digits: np.ndarray, asked: np.nda
         for part, colour, size in ((chosen & good, style.BLUE, 2.0), (chosen & ~good, style.VERMILION, 8.0)):
             height = row + rng.uniform(-0.3, 0.3, part.sum())
             axes.scatter(digits[part], height, s=size, color=colour, linewidths=0, alpha=0.6, rasterized=True)
-        limits = dataset.sensitivity.values[chosen]
-        limits = limits[np.isfinite(limits) & (limits > 0)]
+        limits = moved[chosen & (moved > 0)]
         if limits.size:
             axes.plot(-np.log10(limits.max()), row, marker="|", markersize=13, color=style.BLACK, linestyle="none")
         counts = {outcomes[int(v)]: int(n) for v, n in zip(dataset.outcome.values, dataset.case_count.values[row],
@@ -245,7 +245,7 @@ def _families(axes: Axes, dataset: xr.Dataset, digits: np.ndarray, asked: np.nda
         Line2D([], [], color=style.VERMILION, marker="o", markersize=3.5, linestyle="none", label="not passed"),
         Line2D([], [], color=style.BLACK, marker="|", markersize=9, linestyle="none",
                label="what 16 units in the\nlast place of the\ninput may change"),
-    ][: 2 + bool((dataset.sensitivity > 0).any())]  # fmt: skip
+    ][: 2 + bool((moved > 0).any())]  # fmt: skip
     axes.legend(handles=handles, loc="upper left", fontsize=6.5, handletextpad=0.1, borderpad=0.2,
                 frameon=True, framealpha=1.0, edgecolor="none")  # fmt: skip
     axes.text(9.15, dataset.sizes["edge_family"] - 0.6, "tolerance", fontsize=6, color=style.GREY, va="center")

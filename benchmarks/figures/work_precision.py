@@ -133,7 +133,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
         coords={
             "scene": named_index("scene", "scene", scenes, labels="; ".join(titles)),
             "method": named_index("method", "method", names, labels="; ".join(labels)),
-            "rival": flagged("rival", [MethodFamily[name] for name in RIVALS], "family of the rival", MethodFamily),
+            "rival": named_index("rival", "family of the rival", [name.lower() for name in RIVALS]),
             "error_level": variable("error_level", levels, "1", "error of the final state that is asked for"),
             "quartile": variable("quartile", list(QUARTILES), "1", "share of the repeats below"),
         },
@@ -194,14 +194,15 @@ def _ratios(row: _Row, levels: np.ndarray, rounds: int) -> np.ndarray:
 
 
 def _settings(methods: Mapping[str, list[float]], names: list[str]) -> dict[str, tuple]:
-    """The settings of the methods by what they are, over (method, setting)."""
+    """The settings of the methods by what they are, if any has such, over (method, setting)."""
     from benchmarks.rivals.method_list import METHODS
 
     found = {key: np.full((len(names), max(len(methods[name]) for name in names)), np.nan) for key in _CONTROLS}
     for k, name in enumerate(names):
         if METHODS[name].control in _CONTROLS:
             found[METHODS[name].control][k, : len(methods[name])] = methods[name]
-    return {key: variable(("method", "setting"), values, *_CONTROLS[key]) for key, values in found.items()}
+    given = {key: values for key, values in found.items() if not np.isnan(values).all()}
+    return {key: variable(("method", "setting"), values, *_CONTROLS[key]) for key, values in given.items()}
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:

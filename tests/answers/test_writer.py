@@ -3,6 +3,7 @@
 import errno
 import json
 import os
+import subprocess
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ import xarray as xr
 
 import lsvib
 from lsvib import files
+from lsvib.answers import io
 from lsvib.answers.io import read_dataset, write_dataset
 from lsvib.answers.map import gather_map, map_tile, rows_of
 from lsvib.answers.tables import table_of
@@ -47,8 +49,18 @@ def test_round_trip_keeps_values_and_attributes(tmp_path):
     assert set(back.coords) == {"time"}  # one without dimensions would be in every title
     assert back.attrs["Conventions"] == "CF-1.11"
     assert back.attrs["title"] == "example"
+    assert back.attrs["summary"] == "example. Over time: contact force; speed of the screw; mode."
     assert json.loads(back.attrs["package_versions"])["numpy"] == np.__version__
     assert os.listdir(tmp_path) == ["a.nc"]
+
+
+def test_the_date_is_that_of_the_commit_and_left_out_without_one(tmp_path):
+    (tmp_path / "a.py").touch()
+    assert io._git_state(tmp_path / "a.py") == {"git_commit": "unknown", "git_dirty": "unknown"}
+    git, date = ["git", "-C", tmp_path, "-c", "user.name=a", "-c", "user.email=a"], "2001-02-03T04:05:06+07:00"
+    for words in ("init -q", "add a.py", "commit -q -m one"):
+        subprocess.run([*git, *words.split()], env=os.environ | {"GIT_COMMITTER_DATE": date}, check=True)
+    assert io._git_state(tmp_path / "a.py")["date_created"] == date
 
 
 def test_a_table_has_units_words_and_empty_cells():
@@ -78,6 +90,7 @@ def without(name: str, attribute: str) -> xr.Dataset:
         (without("force", "units"), "variable force has no units"),
         (without("time", "long_name"), "variable time has no long_name"),
         (without("mode", "flag_values"), "variable mode holds flags"),
+        (example().assign(mode=example().mode.assign_attrs(flag_meanings="rest rest")), "and no two alike"),
         (example().assign(mode=example().mode.astype("int16").assign_attrs(example().mode.attrs)), "type int8"),
         (example().assign(mode=(example().mode + np.int8(1)).assign_attrs(example().mode.attrs)), "does not list"),
         (example().assign(force=example().force.assign_attrs(units="1e-3 N")), "units '1e-3 N'"),

@@ -43,7 +43,6 @@ def test_a_run_makes_everything_and_says_what_it_found(finished):
     for figure in BUILT:
         assert (results / "figures" / f"{figure}.png").read_bytes().startswith(b"\x89PNG")
         assert (results / "figures" / f"{figure}.pdf").read_bytes().startswith(b"%PDF")
-        assert read_dataset(results / "datasets" / f"{figure}.nc").attrs["Conventions"] == "CF-1.11"
     claims = re.findall("^- pass: .+$", (results / "checks.md").read_text(encoding="utf-8"), re.MULTILINE)
     assert len(claims) > 9
     (mass,) = [line for line in printed.splitlines() if line.startswith("critical mass")]

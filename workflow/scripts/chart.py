@@ -4,5 +4,7 @@ from job import logged
 
 with logged(snakemake):
     from lsvib.answers.sweep import write_chart
+    from lsvib.chapter.build import made_of
 
-    write_chart(snakemake.params.settings, snakemake.output[0], snakemake.threads)
+    settings = snakemake.params.settings
+    write_chart(settings, snakemake.output[0], snakemake.threads, made_of("chart", settings))

@@ -4,5 +4,7 @@ from job import logged
 
 with logged(snakemake):
     from lsvib.answers.map import gather_map
+    from lsvib.chapter.build import made_of
 
-    gather_map(snakemake.params.settings, list(snakemake.input), snakemake.output[0])
+    settings = snakemake.params.settings
+    gather_map(settings, list(snakemake.input), snakemake.output[0], made_of("attraction", settings))

@@ -108,15 +108,16 @@ def drive_parameters(
 ) -> Variables:
     """Return every parameter of some drives of one class as variables, of several drives with their coordinate ``dim``.
 
-    That is an index whose ``flag_meanings`` name what makes each of them. Arguments: a drive, or several along ``dim``;
-    parameters that differ by design and therefore lie ``along`` it even where they agree; places of the chapter whose
-    values the drives may have, keys of :data:`chapter.STATED`; parameters that are ``assumed`` although Table 8.1
-    states their value, for other drives; parameters that have ``no_effect``; those which are ``axes`` of the file and
-    therefore are left out here.
+    That is an index whose ``flag_meanings`` name what makes each of them: what is ``along``, or else what differs.
+    Arguments: a drive, or several along ``dim``; parameters that differ by design and therefore lie ``along`` it even
+    where they agree; places of the chapter whose values the drives may have, keys of :data:`chapter.STATED`; parameters
+    that are ``assumed`` although Table 8.1 states their value, for other drives; parameters that have ``no_effect``;
+    those which are ``axes`` of the file and therefore are left out here.
     """
     row, result = [drives] if isinstance(drives, Drive) else list(drives), Variables()
     if not isinstance(drives, Drive):
-        words = ["_".join(f"{name}_{getattr(drive, name)!r}" for name in along) or "drive" for drive in row]
+        names = along or [name for name in Drive.model_fields if len({getattr(drive, name) for drive in row}) > 1]
+        words = ["_".join(f"{name}_{getattr(drive, name)!r}" for name in names) or "drive" for drive in row]
         result[dim] = named_index(dim, f"index of the {dim}", words)
     own = {name for drive in row for name, _ in drive}
     for name in Drive.model_fields:

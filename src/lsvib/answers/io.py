@@ -1,6 +1,6 @@
 """The one place that writes and reads datasets: CF-1.11 netCDF-4, complete metadata, whole files only.
 
-A file says what made it: package version, git commit, library versions; no time, so that equal runs give equal files.
+A file says what made it: package version, git commit and its date, library versions; so equal runs give equal files.
 """
 
 import json
@@ -8,7 +8,8 @@ import os
 import platform
 import re
 import subprocess
-from importlib.metadata import version
+from collections import defaultdict
+from importlib.metadata import metadata, version
 from pathlib import Path
 from typing import Any
 
@@ -30,9 +31,9 @@ def write_dataset(dataset: xr.Dataset, path: str | os.PathLike[str], maker: str 
 
     It brings the global attributes ``title``, ``source`` and ``references``, and for every variable ``units`` (UDUNITS
     syntax, "1" if dimensionless) and ``long_name``; categories are ``int8`` with flags. A coordinate without dimensions
-    is written as a variable, because xarray would put it into the title of every plot. Added here are ``Conventions``
-    and :func:`provenance`, whose ``history`` names the ``maker``, a function. Raises ``InputError`` if the dataset
-    breaks one of these rules, ``LsvibError`` if the file cannot be written.
+    is written as a variable, because xarray would put it into the title of every plot. Added here are ``Conventions``,
+    ``summary`` and ``keywords`` unless it brings them, and :func:`provenance`, whose ``history`` names the ``maker``, a
+    function. Raises ``InputError`` if it breaks one of these rules, ``LsvibError`` if the file cannot be written.
     """
     path = Path(path)
     for key in ("title", "source", "references"):
@@ -43,7 +44,8 @@ def write_dataset(dataset: xr.Dataset, path: str | os.PathLike[str], maker: str 
         problem = _problem(str(name), dataset.variables[name], is_coordinate=name in dataset.coords)
         if problem:
             raise InputError(f"{path.name}: the variable {name} {problem}.")
-    complete = dataset.drop_encoding().assign_attrs(Conventions=CONVENTIONS, **provenance(maker))
+    own = {"summary": _summary(dataset), "keywords": metadata("lsvib")["Keywords"].replace(",", ", ")} | dataset.attrs
+    complete = dataset.drop_encoding().assign_attrs(own, Conventions=CONVENTIONS, **provenance(maker))
     encoding = {name: _encoding(variable) for name, variable in dataset.variables.items()}
     with replacing(path) as (part,):
         try:
@@ -92,12 +94,23 @@ def _problem(name: str, variable: xr.Variable, is_coordinate: bool) -> str:
         return ""
     if variable.dtype != np.int8 or values is None or not isinstance(meanings, str):
         return "holds flags, which need the type int8, flag_values and flag_meanings"
-    if np.asarray(values).dtype != np.int8 or np.size(values) != len(meanings.split()):
-        return "needs flag_values of type int8, as many as words in flag_meanings"
+    words = meanings.split()
+    unlike = len({*words}) == np.unique(values).size == np.size(values) == len(words)
+    if np.asarray(values).dtype != np.int8 or not unlike:
+        return "needs flag_values of type int8, as many as words in flag_meanings, and no two alike"
     # One value after the other: np.isin would take eight bytes for each of the hundreds of millions of cells of a map.
     if sum(np.count_nonzero(variable.values == value) for value in np.atleast_1d(values)) < variable.size:
         return "holds a value that flag_values does not list"
     return ""
+
+
+def _summary(dataset: xr.Dataset) -> str:
+    """Return in words what a file holds: its title, and what it has over which dimensions."""
+    found = defaultdict[tuple[Any, ...], list[str]](list)
+    for own in dataset.data_vars.values():
+        found[own.dims].append(own.attrs["long_name"])
+    parts = [f"Over {', '.join(dims)}: {'; '.join(words)}." for dims, words in found.items() if dims]
+    return " ".join([f"{dataset.attrs['title']}.", *parts])
 
 
 def _encoding(variable: xr.Variable) -> dict[str, Any]:
@@ -122,20 +135,19 @@ def rows_of(item: str, rows: int) -> slice:
 def provenance(maker: str) -> dict[str, str]:
     """Return attributes that name the code, and in ``history`` the ``maker``, a function.
 
-    ``git_commit`` and ``git_dirty`` are ``"unknown"`` where no repository tracks the package.
+    ``git_commit`` and ``git_dirty`` are ``"unknown"`` where no repository tracks the package; ``date_created``, the
+    date of the commit, is then left out.
     """
-    commit, dirty = _git_state(Path(__file__).resolve())
     versions = {"python": platform.python_version(), **{name: version(name) for name in _LIBRARIES}}
     return {
         "history": f"made by {maker}, lsvib {version('lsvib')}",
         "lsvib_version": version("lsvib"),
-        "git_commit": commit,
-        "git_dirty": dirty,
+        **_git_state(Path(__file__).resolve()),
         "package_versions": json.dumps(versions),
     }
 
 
-def _git_state(tracked: Path) -> tuple[str, str]:
+def _git_state(tracked: Path) -> dict[str, str]:
     def git(*arguments: str) -> str:
         command = ["git", "-C", str(tracked.parent), *arguments]
         return subprocess.run(command, capture_output=True, check=True, text=True).stdout.strip()
@@ -143,6 +155,8 @@ def _git_state(tracked: Path) -> tuple[str, str]:
     try:
         # An installed copy may lie inside somebody else's repository: ask for the commit only if it tracks this file.
         git("ls-files", "--error-unmatch", tracked.name)
-        return git("rev-parse", "HEAD"), str(bool(git("status", "--porcelain", "--untracked-files=no"))).lower()
+        commit, date = git("log", "-1", "--format=%H %cI").split()
+        dirty = bool(git("status", "--porcelain", "--untracked-files=no"))
+        return {"git_commit": commit, "git_dirty": str(dirty).lower(), "date_created": date}
     except (OSError, subprocess.CalledProcessError):
-        return "unknown", "unknown"
+        return {"git_commit": "unknown", "git_dirty": "unknown"}

@@ -201,12 +201,15 @@ def map_tile(settings: Mapping[str, Any], item: str, path: File, workers: int = 
     write_dataset(frame(drive, grid).isel({_dimensions(grid)[0]: rows}).assign(cells(grid, found)), path)
 
 
-def gather_map(settings: Mapping[str, Any], tiles: Sequence[File], path: File) -> None:
-    """Write the map, the dataset of ``drive.attraction(…)``, from the files of its tiles; ``settings`` as of a tile."""
+def gather_map(
+    settings: Mapping[str, Any], tiles: Sequence[File], path: File, about: Mapping[str, str] | None = None
+) -> None:
+    """Write the map of ``drive.attraction(…)`` from its tiles; ``settings`` as of a tile, ``about``: attributes."""
     drive, grid = _of(settings)
     joined = xr.concat([read_dataset(tile) for tile in tiles], _dimensions(grid)[0], data_vars="minimal",
                        coords="minimal", compat="override", join="exact", combine_attrs="override")  # fmt: skip
-    write_dataset(_around(joined, drive, mapper(drive), grid), path)
+    del joined.attrs["summary"]  # of a tile
+    write_dataset(_around(joined, drive, mapper(drive), grid).assign_attrs(about or {}), path)
 
 
 def _of(settings: Mapping[str, Any]) -> tuple[Drive, Grid]:

@@ -5,7 +5,6 @@ the number of threads. Nothing is simulated for some time and looked at: the ret
 """
 
 import json
-import os
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import product
 from typing import Any
@@ -25,6 +24,7 @@ from lsvib.drives.scene import REST
 from lsvib.dynamics.behaviour import Behaviour, behaviours
 from lsvib.dynamics.sweep import all_endings
 from lsvib.errors import InputError
+from lsvib.files import File
 from lsvib.numbers import names_and_values
 from lsvib.stability.curves import ChartBoundary, boundary_curves
 from lsvib.systems.attractor import Attractor
@@ -122,14 +122,16 @@ def text(summary: Mapping[str, Any], table: Any) -> Iterator[str]:
     yield f"{words.rate(summary['points_per_second'])} points per second"
 
 
-def write_chart(settings: Mapping[str, Any], path: str | os.PathLike[str], workers: int = 1) -> None:
+def write_chart(
+    settings: Mapping[str, Any], path: File, workers: int = 1, about: Mapping[str, str] | None = None
+) -> None:
     """Write the sweep of settings ``drive`` (changes of Table 8.1), ``x`` and ``y``.
 
-    Each axis has ``parameter``, ``start``, ``stop`` and ``count``. Raises ``InputError``.
+    Each axis has ``parameter``, ``start``, ``stop`` and ``count``; ``about``: attributes. Raises ``InputError``.
     """
     axes = ([settings[name][key] for key in ("parameter", "start", "stop", "count")] for name in ("y", "x"))
     over = {name: spaced(name, *span) for name, *span in axes}
-    write_dataset(sweep(Drive.of(settings["drive"]), over, workers=workers), path)
+    write_dataset(sweep(Drive.of(settings["drive"]), over, workers=workers).assign_attrs(about or {}), path)
 
 
 def known_key(name: Any) -> None:

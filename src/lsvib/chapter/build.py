@@ -6,6 +6,7 @@ The workflow calls them in jobs of their own.
 import json
 import re
 from collections.abc import Mapping
+from importlib.metadata import metadata
 from typing import Any
 
 import xarray as xr
@@ -20,7 +21,8 @@ from lsvib.pictures import style
 
 def compute_part(figure: str, part: str, given: Mapping[str, Any], file: File) -> None:
     """Compute and write a part of a figure that rules of their own make: ``analysis`` or ``maps`` (:data:`PARTS`)."""
-    made = getattr(load(figure), part)(complete_settings(figure, given))
+    settings = complete_settings(figure, given)
+    made = getattr(load(figure), part)(settings).assign_attrs(made_of(figure, settings))
     write_dataset(made, file, f"{module_of(figure)}.{part}")
 
 
@@ -49,8 +51,7 @@ def dataset_of(figure: str, given: Mapping[str, Any], parts: Mapping[str, File] 
     for values that it cannot use it raises ``InputError``.
     ``given``: settings as in its section of ``config/config.yaml``; those that it does not name have their defaults.
     ``parts``: files of parts that are computed already, by name; the others are computed here.
-    The dataset carries the settings as JSON in its attribute ``settings``, and a digest of the sources that made it in
-    ``sources_sha256``.
+    The dataset has its caption as ``summary``, and what :func:`made_of` tells.
     """
     settings, module, files = complete_settings(figure, given), load(figure), parts or {}
     own = {
@@ -59,7 +60,13 @@ def dataset_of(figure: str, given: Mapping[str, Any], parts: Mapping[str, File] 
         if hasattr(module, name)
     }
     dataset: xr.Dataset = module.build(settings, **own)
-    return dataset.assign_attrs(settings=json.dumps(settings), sources_sha256=sources_of(figure))
+    return dataset.assign_attrs(made_of(figure, settings), summary=" ".join(load(figure).CAPTION.split()))
+
+
+def made_of(figure: str, settings: Mapping[str, Any]) -> dict[str, str]:
+    """Return attributes of a file of the workflow: who, the settings as JSON, a digest of the sources that made it."""
+    who = {"creator_name": metadata("lsvib")["Author"], "creator_type": "group"}
+    return who | {"settings": json.dumps(settings), "sources_sha256": sources_of(figure)}
 
 
 def draw_figure(

@@ -27,7 +27,11 @@ from lsvib.systems.mapper import Starts
 from lsvib.systems.system import System
 
 _MOST = 1_000_000  # samples, or starts
-_MADE = {"source": "lsvib, exact event-driven motions and their return map", "references": "docs/systems.md of lsvib"}
+_MADE = {
+    "source": "lsvib, exact event-driven motions and their return map",
+    "references": "docs/systems.md of lsvib",
+    "keywords": "piecewise-linear systems, nonsmooth dynamics, periodic motions",
+}
 _WORK = 100_000  # events of a motion of a map
 
 
