@@ -8,13 +8,13 @@ import pytest
 import yaml
 
 from lsvib import Drive
-from lsvib.chapter.checks import counted, read_statements, report
+from lsvib.chapter.checks import counted, kinds, read_statements, report
 from lsvib.drives.chapter import FILE, listed
 
 ROOT = Path(__file__).parents[2]
 CONFIG = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
 OURS = {"id", "source", "claim", "found", "value", "unit", "tolerance", "deviation", "reason"}
-KEYS = OURS | {"drive", "figure", "check", "input", "unchecked", "contradicted"}
+KEYS = OURS | {"drive", "figure", "check", "input", "unchecked", "correction"}
 ENTRIES = listed()["entries"]
 
 
@@ -28,8 +28,8 @@ def test_every_entry_is_whole():
     for entry in ENTRIES:
         assert entry.keys() <= KEYS, entry
         assert {"source", "claim"} <= entry.keys(), entry
-        verdicts = [key for key in ("id", "check", "input", "unchecked", "contradicted") if key in entry]
-        assert len(verdicts) == 1 or verdicts in (["id", "contradicted"], ["check", "contradicted"]), entry
+        verdicts = [key for key in ("id", "check", "input", "unchecked", "correction") if key in entry]
+        assert verdicts in (["id"], ["check"], ["input"], ["unchecked"], ["id", "correction"], ["check", "correction"])
         assert "value" in entry or "input" not in entry, entry
         assert ("value" in entry and "id" in entry) == ("reason" in entry), entry
         assert verdicts == ["id"] or "{" not in entry["claim"], entry  # only a check fills that in
@@ -64,21 +64,19 @@ def test_printed_inputs_are_those_that_are_used(entry):
 
 def test_reasons_name_files_that_exist():
     for entry in ENTRIES:
-        for name in re.findall(r"(?:docs|tests)/[\w/]+\.(?:md|py)", entry.get("unchecked", "")):
+        for name in re.findall(r"(?:docs|tests)/[\w/]+\.(?:md|py)", str(entry)):
             assert (ROOT / name).exists(), entry
 
 
-def test_a_contradicted_entry_counts_as_nothing_else():
-    statements = read_statements(FILE)
-    assert sum(map(len, statements.values())) == len(ENTRIES)
-    assert all("contradicted" in entry for entry in statements["contradicted"])
-    assert not any("contradicted" in entry for verdict in ("id", "input", "unchecked") for entry in statements[verdict])
-
-
-def test_the_report_has_the_counts_and_the_contradictions():
-    """Without the list, as for the figures of accuracy, it says nothing of the chapter's statements."""
+def test_the_report_has_the_counts_and_the_corrections():
+    """By number and kind, as README counts them; without the list, as for the figures of accuracy, nothing of them."""
     statements = read_statements(FILE)
     pages = [report(form, [], statements) for form in ("md", "rst")]
     assert all(counted(statements) in page for page in pages)
-    assert all(entry["contradicted"][1:] in pages[0] for entry in statements["contradicted"])
-    assert not any("contradicted" in report(form, []) for form in ("md", "rst"))
+    pairs = [pair for entry in statements["correction"] for pair in entry["correction"].items()]
+    for number, (kind, right) in enumerate(pairs, 1):
+        assert re.search(rf"^{number}\. .*\. {kind.capitalize()}: {re.escape(right)}\.$", pages[0], re.MULTILINE)
+    assert len({kind for kind, _ in pairs}) == 4
+    assert not any("correction" in report(form, []) for form in ("md", "rst"))
+    readme = " ".join((ROOT / "README.md").read_text(encoding="utf-8").split())
+    assert f"where one of {len(pairs)} needs a correction ({kinds(statements)})" in readme

@@ -14,7 +14,8 @@ from lsvib.answers.io import write_dataset
 from lsvib.chapter import contact_force, fig8_07, impacts
 from lsvib.chapter.build import caption_of
 from lsvib.drives.automata import automaton_of
-from lsvib.drives.names import Event
+from lsvib.drives.mechanics import coefficients
+from lsvib.drives.names import RULES, Event, MotionMode
 from lsvib.drives.states import seated_state
 from lsvib.dynamics.impulses import seizure_impulse
 from lsvib.pictures import drawing as drawn
@@ -96,6 +97,17 @@ def test_the_sectors_of_figure_8_7_have_the_signs_of_the_contact_force():
         words = "$N {} 0$ by law −\n($N {} 0$ by law +)".format(*found) if (found := solving(drive, u, w)) else "no $N$"
         expected = rf"$\dot\theta {'<>'[int(drive.input_speed + w > 0)]} 0$: {words}"
         assert text.get_text() == expected
+
+
+def test_after_a_stop_left_of_the_corner_the_contact_force_is_negative():
+    """In Fig. 8.14d Q falls by m r_m tan λ c (u′ + Ω) in the stop, and the screw goes on forwards."""
+    drive = Drive(mass=11.0, support_damping=1e-3, axial_force=-10.0)
+    before, after = (np.array(coefficients(drive).q_row, dtype=float) @ [0.03, w, 1.0] for w in (20.0, -40.0))
+    lever = drive.mass * drive.pitch_radius * math.tan(drive.lead_angle)
+    assert before > 0 > after == pytest.approx(before - lever * drive.support_damping * 60.0, rel=1e-9)
+    for motion in (phase_plane.followed(drive, {"u": 0.03, "w": 20.0}, 1e-3, rule) for rule in RULES):
+        assert (motion.kind[0], motion.time[0]) == (Event.SEIZURE, 0.0)
+        assert motion.automaton.codes[motion.mode[0]] == MotionMode.SLIP_FORWARD_NEGATIVE
 
 
 def test_impulse_is_the_integral_of_the_contact_force():

@@ -42,6 +42,7 @@ def test_the_printed_thresholds_are_allowed_what_rounding_explains(name):
     together = sum(abs(change.get(key, 0.0)) for key in PRECISE)
     computed = (together, *(change.get(key, 0.0) for key in [*HALF_UNITS][4:]))
     assert computed == pytest.approx(page, rel=0.05, abs=5e-5)
+    assert name != "critical_mass" or solution.value - together > 10.02  # not even so the 10 kg of Fig. 8.14
     off, allowed = abs(claim.value - solution.value), together + own
     assert (off > allowed) is (name in UNEXPLAINED)
     assert claim.tolerance == (UNEXPLAINED.get(name) or pytest.approx(allowed / claim.value, rel=0.01))

@@ -26,11 +26,11 @@ from lsvib.errors import InputError
 
 NamedChecks = Sequence[tuple[str, "Check"]]  # pairs (figure, check)
 Statements = dict[str, list[dict[str, Any]]]
-_VERDICTS = {  # the first that an entry has is its own: a check may hold the evidence of a contradiction
-    "contradicted": "contradicted by the chapter's own equations",
-    "id": "checked",
-    "input": "inputs",
-    "unchecked": "not checked, each with the reason",
+_VERDICTS = {  # the first that an entry has is its own: a check may hold the evidence of a correction
+    "correction": "need a correction",
+    "id": "are checked",
+    "input": "are inputs",
+    "unchecked": "are not checked, each with the reason",
 }
 
 
@@ -193,7 +193,7 @@ def read_checks(path: str | os.PathLike[str]) -> list[tuple[str, Check]]:
 
 
 def read_statements(path: str | os.PathLike[str]) -> Statements:
-    """Read the list and return its entries by verdict: ``contradicted``, ``id`` (checked), ``input``, ``unchecked``."""
+    """Read the list and return its entries by verdict: ``correction``, ``id`` (checked), ``input``, ``unchecked``."""
     statements: Statements = {verdict: [] for verdict in _VERDICTS}
     for entry in read_yaml(str(path))["entries"]:
         statements[next((verdict for verdict in _VERDICTS if verdict in entry), "id")].append(entry)
@@ -207,8 +207,16 @@ def counted(statements: Statements) -> str:
         found = Counter("numbers" if "value" in entry else "claims" for entry in entries)
         return " and ".join(f"{found[kind]} {kind}" for kind in ("numbers", "claims") if found[kind])
 
-    *parts, last = (f"{both(statements[v])} are {_VERDICTS[v]}" for v in ("input", "id", "contradicted", "unchecked"))
-    return f"Of the chapter's {both(chain(*statements.values()))}, {', '.join(parts)}, and {last}."
+    *parts, last = (f"{both(statements[v])} {_VERDICTS[v]}" for v in ("input", "id", "correction", "unchecked"))
+    return (
+        f"Of the chapter's {both(chain(*statements.values()))}, {', '.join(parts)} ({kinds(statements)}), and {last}."
+    )
+
+
+def kinds(statements: Statements) -> str:
+    """Return how many statements of the chapter need a correction of which kind, such as "misprint 7, …"."""
+    found = Counter(kind for entry in statements["correction"] for kind in entry["correction"])
+    return ", ".join(f"{kind} {n}" for kind, n in found.most_common())
 
 
 def verdict(checks: NamedChecks) -> str:

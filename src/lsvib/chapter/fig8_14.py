@@ -104,19 +104,22 @@ def _first_events(drives: Sequence[Drive], maps: xr.Dataset, duration: float) ->
     few = maps.isel({name: spans.evenly_chosen(axis.size, 16) for name, axis in places.items()})
     few = few.stack(probe=list(places), create_index=False)
     u, w = (few[name].values for name in places)
-    first, rate, later = (np.full((len(drives), u.size), value) for value in (-1, np.nan, 0))
+    first, rate, mode, later = (np.full((len(drives), u.size), value) for value in (-1, np.nan, -1, 0))
     for case, probe in np.ndindex(first.shape):
         motion = phase_plane.followed(drives[case], {"u": float(u[probe]), "w": float(w[probe])}, duration)
         at_once = motion.time == 0
         if at_once.any():
             first[case, probe], rate[case, probe] = motion.kind[0], motion.after[0, 1]
+            mode[case, probe] = motion.automaton.codes[motion.mode[at_once][-1]]
         rests = motion.automaton.codes[motion.mode[at_once]] == MotionMode.REST
         later[case, probe] = (~at_once).sum() + rests.sum()
     dims, when, about_first = ("case", "probe"), "of the motion from the cell", flags(Event, none=True)
+    about_mode = attributes("1", f"mode after what happens at once {when}", **flags(MotionMode, none=True))
     return {
         **phase_plane.curve("probe", "probe", np.transpose([u, w]), "of a cell of the map"),
         "probe_attractor": phase_plane.attractors(dims, few.grid_attractor.transpose(*dims).values),
         "probe_event": (dims, first.astype(np.int8), attributes("1", f"event at once {when}", **about_first)),
+        "probe_mode_after": (dims, mode.astype(np.int8), about_mode),
         "probe_velocity_after": variable(dims, rate, "rad s-1", f"rate of the deviation after that event {when}"),
         "probe_later_events": variable(dims, later, "1", f"number of later events and rests {when}"),
     }
@@ -246,10 +249,16 @@ def _event_checks(heavy: xr.Dataset) -> list[Check]:
     after, of = heavy.event_velocity_deviation_after, "starts"
     forces = zip(straight, heavy.axial_force, strict=True)
     counted = [f"{int(x.sum())} of {int(x.count())} starts at R = {float(r):g} N" for x, r in forces]
+    falls = (u - heavy.contact_line_slope * stop < heavy.contact_line_angle).values  # Q < 0 after a stop
+    left, right = ((positive & forward).values & side for side in (falls, ~falls))
+    modes = heavy.probe_mode_after
+    parted = left.any() and named(modes, "rest", "slip forward negative")[left].all()
+    parted = parted and right.any() and named(modes, "slip backward positive")[right].all()
     reversals = named(heavy.event_kind, "contact reversal")
     stops = not reversals.any() and arrivals.any() and (after == stop).where(arrivals, True).all()
     return [
         Check.everywhere("fig8_14.stops", jumps.values[(positive & forward).values], of),
+        Check.that("fig8_14.left_of_corner", parted, left=left.sum(), right=right.sum()),
         Check.everywhere("fig8_14.stops_backwards", jumps.values[back.values], of),
         Check.that("fig8_14.some_starts", not straight.where(back, True).all(), counted=counted),
         Check.everywhere("fig8_14.origin", origin.values[alone.values], of),

@@ -28,7 +28,7 @@ generalised eigenvalues of (8.23) at each point, with the boundaries (8.29) in c
 coefficient (8.27). Beyond the upper branch, where the effective inertia of the drive with a rigid support is negative,
 both modes diverge by (8.25). The chapter calls the horizontally hatched region the primary one of the kinematic
 constraint: there the reduced effective inertia is negative. The third region, of divergence, is not in the chapter; as
-the support stiffens it becomes the kinematic instability of the rigid drive. The stiffness of the coupling is assumed,
+the support stiffens it grows towards the instability of the rigid drive. The stiffness of the coupling is assumed,
 because Table 7.1 is not in the chapter; the boundaries of mode coupling are in proportion to it.
 """
 
@@ -198,6 +198,9 @@ def _boundary_checks(dataset: xr.Dataset, drive: Values, p: SimpleNamespace) -> 
     judged = dataset.clear.values & ~kinematic
     off = judged & ((flutter != ((stiffness > lower) & (stiffness < upper))) | (divergence != beyond))
     apart = both == 0 and flutter.any() and kinematic.any()
+    first = friction[divergence.argmax(axis=0)[divergence.any(axis=0)]]  # by the stiffness of the support
+    rigid = friction[p.inertia[:, 0] < 0].min(initial=np.inf)
+    grows = first.size > 1 and (np.diff(first) <= 0).all() and rigid <= first[-1] < first[0]
     branches = [end.values for end in ends]
     p = _printed({**drive, "friction_coefficient": dataset.boundary_friction_coefficient.values})
     terms = [np.array([p.b_1 * x**2, p.b_2 * k * x, p.b_3 * k**2 * np.ones_like(x)]) for x in branches]
@@ -212,6 +215,7 @@ def _boundary_checks(dataset: xr.Dataset, drive: Values, p: SimpleNamespace) -> 
     return [
         Check.that("fig8_15.apart", apart, both=both, flutter=flutter, kinematic=kinematic),
         Check.that("fig8_15.branches", not off.any(), off=off, judged=judged, divergence=divergence),
+        Check.that("fig8_15.third", grows, first=first, rigid=rigid),
         Check.that("fig8_15.quadratic", residual < 1e-11, residual=residual),
         Check.that("fig8_15.real", real, odd=odd, finite=finite, rewritten=rewritten),
     ]
