@@ -25,6 +25,7 @@ _SECTIONS = {
     "1_chapter": "The chapter\n-----------\n\nThe fifteen figures of chapter 8.\n",
     "2_beyond": "Beyond the chapter\n------------------\n\nWhat it says without a figure, and what goes further.\n",
     "3_scripts": "Scripts\n-------\n\nUp to forty lines each, over what drives can be asked: to copy and to change.\n",
+    "4_systems": "Systems of one's own\n--------------------\n\nEach prints a number of somebody else's.\n",
 }
 # The file is shown as "pyi": in what is "python", Sphinx-Gallery looks for names to link, token by token, for seconds.
 _SCRIPT = '''"""
@@ -94,10 +95,11 @@ def write_scripts(source: Path, pictures: Path | None) -> None:
         for figure in FIGURES:
             if section == ("1_chapter" if figure.startswith("fig8_") else "2_beyond"):
                 (folder / f"{figure}.py").write_text(script(figure, source, pictures), encoding="utf-8")
-    for path in _EXAMPLES.glob("*.py"):
+    for path in _EXAMPLES.rglob("*.py"):
         heading = f'"""{title(path.stem)}\n{"=" * len(path.stem)}\n\n'
         text = path.read_text(encoding="utf-8").replace('"""', heading, 1)
-        (examples / "3_scripts" / path.name).write_text(text, encoding="utf-8")
+        section = "4_systems" if path.parent.name == "systems" else "3_scripts"
+        (examples / section / path.name).write_text(text, encoding="utf-8")
 
 
 def _get_sg_image_scraper() -> Any:
