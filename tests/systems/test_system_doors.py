@@ -70,6 +70,11 @@ def test_branches_name_what_happens_to_a_cycle():
     dry = DRY.replace(f="0.6", w="0.6")
     stops = dry.follow(dry.steady_state("back"), "w", (0.58, 0.66)).changes
     assert [(x.name, round(x.value, 6)) for x in stops if x.name] == [("border collision", 0.632971)]
+    events = [{"mode": "slip", "when": "v > V", "to": "stick"}, {"mode": "stick", "when": "x + V/50 > 1", "to": "slip"}]
+    modes = {"slip": {"x": "v", "v": "-x - v/50"}, "stick": {"x": "V", "v": 0}}
+    block = System(["x", "v"], modes, {"V": "2.73"}, events=events)
+    slows = block.follow(block.steady_state("stick", {"v": 2.73}), "V", (2.72, 2.75)).changes
+    assert [(x.name, round(x.value, 9)) for x in slows if x.name] == [("grazing", 2.739240417)]
     free = branch.points[0].cycle.multipliers
     assert free.size == 2
 

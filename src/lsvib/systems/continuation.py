@@ -427,10 +427,9 @@ def _border(one: Shot, other: Shot) -> str:
     shot, extra = (one, before - after) if before - after else (other, after - before)
     motion, automaton = shot.motion, shot.motion.automaton
     modes, _, ends, _ = motion.arcs()
-    own = [
-        (int(kind), int(automaton.codes[mode])) in extra for kind, mode in zip(motion.kind, motion.mode, strict=True)
-    ]
-    others = motion.time[~np.array(own) & ~automaton.marked(motion.kind, "passage")]
+    events = [*zip(motion.kind.tolist(), automaton.codes[motion.mode].tolist(), strict=True)]
+    own = [event in extra for event in events]
+    others = motion.time[[event in shot.itinerary and event not in extra for event in events]]  # and no touches
     states, along = motion.at(motion.end_time * np.linspace(0.0, 1.0, 64))
     rates = np.array([rate_of(automaton, int(mode), state) for mode, state in zip(along, states, strict=True)])
     for k in np.flatnonzero(own):
