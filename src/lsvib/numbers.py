@@ -142,5 +142,5 @@ def axes(over: Any, check: Callable[[Any], None]) -> dict[str, list[float]]:
         except NotNumber as error:
             raise InputError(f"over: {name} holds a value that {error}.") from None
     if not found:
-        raise InputError("over names no parameter; give the values of one, such as axial_force.")
+        raise InputError("over names no parameter; give the values of one.")
     return found

@@ -129,7 +129,7 @@ def test_a_ball_comes_to_rest_when_its_bounces_add_up(wall, still):
 
 
 def test_two_switches_slide():
-    """OpenModelica#12290: from 1/7 s on."""
+    """OpenModelica#12190: from 1/7 s on."""
     modes = {"above": {"x": "2", "y": "-3"}, "below": {"x": "-2", "y": "1.5"}}
     two = System(states=["x", "y"], modes=modes, surfaces=[{"between": ["above", "below"], "at": "x - y"}])
     run = motion(two, "below", {"x": 1.5, "y": 1}, 1)

@@ -132,6 +132,7 @@ def test_each_answer_is_drawn_and_what_is_a_dataset_also_from_its_file(kind, tmp
 
 REFUSED = [
     (lambda: STOPS.simulate("fly", {}, -1), "duration = -1 is negative."),
+    (lambda: STOPS.simulate("fly", [1, 2], 1), "state = [1, 2] does not hold names and values."),
     (lambda: STOPS.simulate("fall", {}, 1), "'fall' is no mode of the system; modes are fly."),
     (lambda: STOPS.cycles(), "give starts, as"),
     (lambda: STOPS.cycles(box={"x": 1}), "starts = () are not pairs of mode and state, or box = {'x': 1} has"),

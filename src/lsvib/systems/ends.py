@@ -123,7 +123,7 @@ def start_of(system: System, mode: str, state: Mapping[str, Any] | None = None) 
     Clocks begin at zero unless they are given, harmonics at phase 0. A start beyond a surface is in the mode there, and
     an event whose condition holds already happens at once. ``InputError`` for one that is no start.
     """
-    own, given = made(system), names_and_values("start", state)
+    own, given = made(system), names_and_values("state", state)
     if mode not in [*own.modes]:
         raise InputError(f"{shown(mode)} is no mode of the system; modes are {', '.join(own.modes)}.")
     names, found = own.automaton.states, own.begin.copy()
