@@ -362,7 +362,7 @@ def draw(dataset: xr.Dataset) -> style.Figure:
         record.plot(dataset.model_time, own.model_torque * 1e3, dashes, color=colour, linewidth=0.9,
                     label=f"model, {words}")  # fmt: skip
         kept = own.even_speed.where((own.even_speed > 0) & np.isfinite(own.even_speed))
-        limit.plot(dataset.support_damping, kept / RPM, dashes, color=colour, label=f"model, {words}")
+        limit.plot(dataset.support_damping, kept / RPM, dashes, color=colour, label=f"limit, {words}")
     bottom, top = record.get_ylim()
     record.set(xlabel="Time [s]", ylabel="Torque of the motor [mN m]", ylim=(bottom, top + 0.3 * (top - bottom)))
     record.legend(fontsize=7, ncols=2, loc="upper left", columnspacing=0.8, handletextpad=0.3)

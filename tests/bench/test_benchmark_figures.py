@@ -7,8 +7,10 @@ from functools import cache
 import numpy as np
 import pytest
 import xarray as xr
+from references.figure_checks import without_room
 
 from benchmarks.judge import Verdict
+from lsvib.chapter.build import drawn
 from lsvib.chapter.configuration import load
 
 SETTINGS = {
@@ -40,6 +42,12 @@ def passed(figure: str, dataset: xr.Dataset) -> dict[str, bool]:
 @pytest.mark.parametrize("figure", SETTINGS)
 def test_every_check_passes(figure):
     assert [claim for claim, good in passed(figure, built(figure)).items() if not good] == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("figure", SETTINGS)
+def test_the_words_of_its_picture_have_room(figure):
+    assert without_room(drawn(figure, built(figure))) == []
 
 
 def spoiled(dataset: xr.Dataset):

@@ -7,12 +7,14 @@ import pytest
 import xarray as xr
 from references.drives import PARADOX
 from references.figure_checks import assert_drawn_from_file, coarse, dataset_of
+from references.sizes import sizes
 
 from lsvib import Drive
 from lsvib.answers import phase_plane
 from lsvib.answers.io import write_dataset
 from lsvib.chapter import contact_force, fig8_07, impacts
 from lsvib.chapter.build import caption_of
+from lsvib.chapter.build import drawn as picture
 from lsvib.drives.automata import automaton_of
 from lsvib.drives.mechanics import coefficients
 from lsvib.drives.names import RULES, Event, MotionMode
@@ -78,12 +80,20 @@ def test_the_sides_of_the_line_have_the_sign_of_the_contact_force(words):
     drive = Drive.of(SIDES[words])
     settings = {"starts": [{"u": 0.01, "w": 0.0}], "duration": 0.01, "samples": 200}
     case = phase_plane.portraits(settings, [drive]).isel(case=0)
-    axes = style.new_figure().add_subplot()
+    axes = (figure := style.new_figure()).add_subplot()
     axes.set(xlim=(-0.15, 0.15), ylim=(-120, 120))
-    drawn.guide(axes, case)
-    named = {text.get_text(): text.get_position() for text in axes.texts if text.get_text()}
-    assert set(named) == {"$N > 0$", "$N < 0$"}
-    assert all(solving(drive, *state)[0] in text for text, state in named.items())
+    drawn.guide(figure, [axes], [case])
+    named = [(text.get_text(), solving(drive, *text.get_position())) for text in axes.texts if text.get_text()]
+    assert {"$N > 0$", "$N < 0$"} <= set(dict(named))
+    assert all(text == (f"$N {found[0]} 0$" if found else "no solution") for text, found in named)
+
+
+@pytest.mark.parametrize("figure", sizes(["fig8_04"], ["fig8_05", "fig8_06"]))
+def test_both_sides_of_the_line_have_a_name_in_every_phase_plane(figure):
+    panels = [axes for axes in picture(figure, dataset_of(figure)).axes if "dot u" in axes.get_ylabel()]
+    assert panels
+    for axes in panels:
+        assert [text.get_text() for text in axes.texts if text.get_text()] == ["$N > 0$", "$N < 0$"]
 
 
 def test_the_sectors_of_figure_8_7_have_the_signs_of_the_contact_force():

@@ -157,7 +157,7 @@ def test_no_variable_of_its_file_is_empty_and_a_motion_is_plotted_over_its_time(
         assert len(axes.get_title()) < 80
 
 
-@pytest.mark.parametrize("figures", sizes([FIGURES[::6]], [FIGURES[3::6]], [FIGURES]))
+@pytest.mark.parametrize("figures", sizes([FIGURES[::6]], [[x for x in FIGURES if x not in FIGURES[::6]]]))
 def test_every_figure_is_drawn_from_its_file_without_the_engine(figures, tmp_path):
     for figure in figures:
         write_dataset(dataset_of(figure), tmp_path / f"{figure}.nc")

@@ -4,18 +4,22 @@ import re
 from collections.abc import Callable
 from copy import deepcopy
 from functools import cache
+from itertools import combinations
 from pathlib import Path
 from unittest.mock import patch
 
+import numpy as np
 import xarray as xr
 import yaml
 from matplotlib import rc_context
+from matplotlib.legend import Legend
+from matplotlib.text import Text
 
 from lsvib.answers.io import read_dataset
 from lsvib.chapter import build
 from lsvib.chapter.checks import Check
 from lsvib.chapter.configuration import load
-from lsvib.pictures import style
+from lsvib.pictures import drawing, style
 
 STANDARD, COARSE = Path(__file__).parents[2] / "config" / "config.yaml", Path(__file__).with_name("coarse.yaml")
 Spoiler = Callable[[xr.Dataset], xr.Dataset]
@@ -60,25 +64,49 @@ def scale(name: str, factor: float, *where: int) -> Spoiler:
     return lambda dataset: set_to(name, dataset[name].values[where or ...] * factor, *where)(dataset)
 
 
+def without_room(figure: style.Figure) -> list[str]:
+    """Which words leave the picture or cover others, a line, another panel or the frame of their own."""
+    words: list[Text] = []
+    with patch.object(Text, "draw", lambda text, _: words.append(text)):  # ticks beyond the limits are not drawn
+        figure.draw_without_rendering()
+    places = [(text, drawing.outline(text, -1)) for text in words if text.get_visible() and text.get_text().strip()]
+    page, boxes = figure.bbox, [legend.get_window_extent() for legend in figure.findobj(Legend)]
+    faults = [
+        "a legend leaves the picture" for x in boxes if not (page.x0 <= x.x0 < x.x1 <= page.x1 and x.y1 <= page.y1)
+    ]
+    for text, place in places:
+        box, name = place.get_extents(), text.get_text()
+        if not all(page.contains(*corner) for corner in box.corners()):
+            faults.append(f"{name} leaves the picture")
+        for axes in figure.axes:
+            own = text.axes is not None and np.allclose(axes.bbox.extents, text.axes.bbox.extents)
+            free = text in text.axes.texts if own else False
+            inside = all(axes.bbox.contains(*corner) for corner in box.corners())
+            if not (own and inside) and place.intersects_bbox(axes.bbox):
+                faults.append(f"{name} covers a frame")
+            lines = [line.get_transform().transform_path(line.get_path()) for line in axes.lines] if free else []
+            if any(place.intersects_path(x, filled=False) or place.contains_points(x.vertices).any() for x in lines):
+                faults.append(f"{name} covers a line")
+    pairs = combinations(places, 2)
+    return faults + [f"{a.get_text()} covers {b.get_text()}" for (a, x), (b, y) in pairs if x.intersects_path(y)]
+
+
 def assert_drawn_from_file(figure: str, path: Path) -> None:
     """The file alone gives a figure with something in every panel, and names in its legends that are all different.
 
-    It is one or two columns wide, its whole legend is in the picture, and no type, indices included, is below 6 pt.
+    It is one or two columns wide, its words have room, and no type, indices included, is below 6 pt.
     """
     drawn = build.drawn(figure, read_dataset(path))
     # Fonts of type 3 are embedded in a third of the time; sizes are those of any type.
     with rc_context({"pdf.compression": 0}), patch.dict(style._STYLE, {"pdf.fonttype": 3}):
-        style.save(drawn, None, path.with_suffix(".pdf"), resolution=50)
+        style.save(drawn, None, path.with_suffix(".pdf"), resolution=100)
     sizes = re.findall(rb"/F\S+ ([\d.]+) Tf", path.with_suffix(".pdf").read_bytes())
     assert min(map(float, sizes)) >= 6
     assert drawn.get_figwidth() in (3.5, 7.2)
     assert drawn.axes
     assert all(axes.has_data() for axes in drawn.axes)
+    assert without_room(drawn) == []
     own = [axes.get_legend() for axes in drawn.axes]
     legends = [*(legend for part in (drawn, *drawn.subfigs) for legend in part.legends), *filter(None, own)]
-    for legend in legends:
-        box, page = legend.get_window_extent(), drawn.bbox
-        assert page.x0 <= box.x0 < box.x1 <= page.x1
-        assert box.y1 <= page.y1
     names = [text.get_text() for legend in legends for text in legend.get_texts()]
     assert len(names) == len(set(names))

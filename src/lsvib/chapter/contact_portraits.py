@@ -40,9 +40,6 @@ _OF_RATE = (
 )
 # Each begins at the saddle; on the side of law + where the saddle lies, or across zero force to the side of law -.
 _MANIFOLDS = [f"{kind}_{way}_zero_force" for kind in ("unstable", "stable") for way in ("away_from", "across")]
-# First words of the entries of the legend, two to a column.
-_ENTRIES = ("contact", "start", "stable", "unstable", "bounded", "growing", "saddle", "centre", "asymptote")
-_WORDS = {"facecolor": "#FFFFFFC0", "linewidth": 0, "pad": 1.0}
 
 
 def portrait(settings: Values, paradox: Paradox, figure: str, places: str) -> xr.Dataset:
@@ -318,12 +315,10 @@ def draw(dataset: xr.Dataset) -> style.Figure:
         axes.set(xlabel=style.label(case.contact_force), xlim=limits[0], ylim=limits[1])
         drawing.arrows(axes, paths)
         for side, text in zip(case.law_side.values, ("law +: $N > 0$", "law −: $N < 0$"), strict=True):
-            place = 0.02 * side * np.ptp(limits[0]), limits[1][0] + 0.03 * np.ptp(limits[1])
-            axes.text(*place, text, ha="left" if side > 0 else "right", bbox=_WORDS, zorder=4)
+            place = 0.02 * side * np.ptp(limits[0]), limits[1][0] + 0.04 * np.ptp(limits[1])
+            axes.text(*place, text, ha="left" if side > 0 else "right")
     panels[0].set_ylabel(style.label(dataset.contact_force_rate, "rate"))
-    drawn = [artist for axes in panels for artist in axes.get_legend_handles_labels()[0]]
-    entries = sorted(drawn, key=lambda artist: _ENTRIES.index(artist.get_label().split()[0]))
-    return style.legend(figure, panels, 4 if "manifold_force" in dataset else 3, entries)
+    return style.legend(figure, panels, 4 if "manifold_force" in dataset else 3)
 
 
 def _lines(axes: style.Axes, case: xr.Dataset) -> None:

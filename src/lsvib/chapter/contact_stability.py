@@ -23,10 +23,10 @@ from lsvib.stability.spectrum import eigenvalues, margins, polynomial
 
 CAPTION = """\
 Steady sliding with compliant threads (drive of Table 8.1, force with the motion; contacts assumed): (a) the mass at
-which it is lost over the contact damping, for several contact stiffnesses, with the contacts of Figs 8.10 and 8.13; (b)
-growth rate above the critical mass of the rigid drive, unstable beyond the dotted stiffnesses whatever the damping
-(Lemma 8.1); (c) below it, where an elastic contact is unstable although the rigid drive is stable; (d) the contact
-dampings at which it is stable, which for soft contacts are two intervals. See docs/lemmas.md.
+which it is lost over the contact damping, for several contact stiffnesses, missing where none is, with the contacts of
+Figs 8.10 and 8.13; (b) growth rate above the critical mass of the rigid drive, unstable beyond the dotted stiffnesses
+whatever the damping (Lemma 8.1); (c) below it, where an elastic contact is unstable although the rigid drive is stable;
+(d) the contact dampings at which it is stable, which for soft contacts are two intervals. See docs/lemmas.md.
 """
 
 _CONTACT = ("contact_stiffness", "contact_damping")
@@ -244,27 +244,23 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     for one in dataset.critical_mass_with_contact:
         place = float(one.contact_damping), float(one)
         mass.annotate(f"{float(one):.2f} kg", place, (0, -12), textcoords="offset points", fontsize=6.5)
-    mass.axhline(rigid, color=style.GREY, linewidth=0.9, linestyle="--")
-    mass.annotate(f"rigid contact: {rigid:.3f} kg", (0.03, rigid), (0, -3), xycoords=mass.get_yaxis_transform(),
-                  textcoords="offset points", fontsize=6.5, va="top", color=style.GREY)  # fmt: skip
+    mass.axhline(rigid, color=style.GREY, linewidth=0.9, linestyle="--", label=f"rigid contact: {rigid:.3f} kg")
     style.frame(mass, "(a) critical mass; steady sliding is lost above", damping, "Critical mass $m_\\mathrm{cr}$ [kg]",
-                xscale="log", ylim=(0, 1.8 * rigid))  # fmt: skip
+                xscale="log", ylim=(0, 2 * rigid))  # fmt: skip
     mass.legend(loc="upper left")
     for axes, letter, rates in zip((heavy, light), "bc", dataset.growth_rate, strict=True):
         stiffness, sign = rates.growth_contact_stiffness, ">" if float(rates.mass) > rigid else "<"
+        axes.set_yscale("symlog", linthresh=10.0)
         for curve, colour, dashes in zip(rates, _COLOURS, _DASHES, strict=False):
             name = f"$c_c$ = {style.number(curve.growth_contact_damping)} N s m⁻¹"
             axes.plot(stiffness, curve, color=colour, linestyle=dashes, label=name)
         axes.axhline(0, color=style.BLACK, linewidth=0.5)
-        axes.set_yscale("symlog", linthresh=10.0)
         title = f"({letter}) growth rate, $m$ = {style.number(rates.mass)} kg {sign} rigid $m_\\mathrm{{cr}}$"
         style.frame(axes, title, stiffness, "Largest real part [s⁻¹], stable below 0", xscale="log")
     for value, colour in zip(dataset.unstable_contact_stiffness.values, _COLOURS, strict=False):
         heavy.axvline(value, color=colour, linewidth=0.9, linestyle=":")
-    heavy.set_ylim(-10.0)
-    heavy.text(0.02, 0.03, "dotted: from here on unstable by Lemma 8.1, same colour", fontsize=6.5,
-               transform=heavy.transAxes, bbox={"facecolor": "#FFFFFF", "linewidth": 0, "pad": 0.8})  # fmt: skip
-    heavy.text(0.03, 0.7, "colours as in (c)", fontsize=6.5, transform=heavy.transAxes)
+    words = "colours as in (c);\ndotted: from here\non unstable by\nLemma 8.1"
+    heavy.text(0.03, 0.7, words, fontsize=6.5, transform=heavy.transAxes)
     light.legend(loc="lower left")
     _least(least, dataset)
     return figure
@@ -279,9 +275,8 @@ def _least(axes: style.Axes, dataset: xr.Dataset) -> None:
     for end in (least, low, high):
         axes.plot(stiffness, end, color=style.BLUE)
     limit = float(dataset.least_contact_damping_of_stiff_contact)
-    axes.axhline(limit, color=style.GREY, linewidth=0.9, linestyle="--")
-    axes.annotate(f"stiff limit: {limit / 1e3:.2f} kN s m⁻¹", (0.97, limit), (0, -3), ha="right", va="top",
-                  xycoords=axes.get_yaxis_transform(), textcoords="offset points", fontsize=6.5)  # fmt: skip
+    axes.axhline(limit, color=style.GREY, linewidth=0.9, linestyle="--", label=f"stiff limit: {limit:.5g} N s m⁻¹")
+    axes.legend(loc="lower right")
     axes.text(0.6, 0.92, "stable", transform=axes.transAxes, va="center")
     axes.text(0.6, 0.45, "unstable", transform=axes.transAxes, va="center")
     title = f"(d) contact damping at which $m$ = {style.number(dataset.mass[1])} kg is stable"

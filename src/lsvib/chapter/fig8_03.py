@@ -191,13 +191,14 @@ def _condition_checks(dataset: xr.Dataset) -> list[Check]:
 
 def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw the class map and the node–focus boundary C_0² = 4kΓ_0."""
-    figure = style.new_figure(style.DOUBLE, 3.6)
+    figure = style.new_figure(style.SINGLE, 2.9)
     axes, line = figure.add_subplot(), dict[str, Any](color=style.BLACK, linewidth=1.0)
     inertia, damping = dataset.effective_inertia, dataset.effective_damping
     drawing.regions(axes, inertia, damping, dataset.stability.T, _COLOURS, shading="nearest")
-    for sign, name in ((1, None), (-1, r"$C_0^2 = 4 k \Gamma_0$")):
-        met = sign * dataset.node_focus_effective_damping
-        axes.plot(dataset.node_focus_effective_inertia, met, label=name, **line)
+    met = [dataset[f"node_focus_effective_{name}"] for name in ("inertia", "damping")]
+    for sign in (1, -1):
+        axes.plot(met[0], sign * met[1], **line)
+    axes.text(float(met[0][-1]), float(met[1][-1]), r"$C_0^2 = 4 k \Gamma_0$  ", ha="right", va="bottom")
     axes.axvline(0, **line)
     axes.plot([0, inertia[-1]], [0, 0], **line)
     for name in cf.flag_names(dataset.stability).values():
@@ -205,4 +206,4 @@ def draw(dataset: xr.Dataset) -> style.Figure:
         if inside.mean() > 0.01:  # lines such as the centres have no region
             axes.text(inertia.where(inside).mean(), damping.where(inside).mean(), name, ha="center")
     style.frame(axes, "", inertia, damping, xlim=inertia[[0, -1]], ylim=damping[[0, -1]])
-    return style.legend(figure, [axes], 1)
+    return figure

@@ -207,7 +207,7 @@ def draw(dataset: xr.Dataset) -> style.Figure:
         force = float(dataset[name])
         axes.axvline(force, color=style.GREY, linewidth=0.8, linestyle=":", zorder=0)
         axes.axvline(float(dataset[f"printed_{name}"]), **style.PRINTED, zorder=0, label=f"printed: {words} N")
-        axes.text(force, top, f"{word} {force:.2f} N", ha="center", va="bottom")
+        axes.text(force, 1.01 * top, f"{word} {force:.2f} N", ha="center", va="bottom")
     axes.set(xlabel=style.label(forces), xlim=forces[[0, -1]], ylim=(-0.02 * top, top))
     axes.set_ylabel(style.label(amplitude, "amplitude of $u$"))
     # xarray's own interpolation needs scipy, which the package does not.
@@ -216,9 +216,9 @@ def draw(dataset: xr.Dataset) -> style.Figure:
               label="force of a phase portrait")  # fmt: skip
     for index in cases:
         portrait, case = panels[index], dataset.sel(case=index)
-        drawing.phase_plane(portrait, case, [0.8] * case.sizes["start"], 1.6, 0.2)
+        drawing.phase_plane(portrait, case, [0.8] * case.sizes["start"], 0.2)
         drawing.draw_lines(portrait, case)
-        drawing.guide(portrait, case)
         drawing.label_axes(portrait, case, f"$R$ = {style.number(case.axial_force)} N")
         portrait.locator_params(axis="x", nbins=4)
-    return style.legend(figure, [*panels.values()], 4)
+    portraits = [panels[k] for k in cases], [dataset.sel(case=k) for k in cases]
+    return drawing.guide(style.legend(figure, [*panels.values()], 4), *portraits)

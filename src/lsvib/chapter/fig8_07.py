@@ -116,7 +116,7 @@ def draw(dataset: xr.Dataset) -> style.Figure:
 
     At each corner stand the signs of θ′ and of the contact forces that solve in the sector there.
     """
-    figure = style.new_figure(style.DOUBLE, 4.2)
+    figure = style.new_figure(style.DOUBLE, 4.6)
     axes = figure.add_subplot()
     case = dataset.isel(case=0)
     # Of each motion what comes before the end of the first seizure into which it slips, and its jump.
@@ -145,4 +145,4 @@ def draw(dataset: xr.Dataset) -> style.Figure:
                   transform=axes.transAxes, ha="left" if i == 0 else "right", va="bottom" if j == 0 else "top",
                   bbox={"facecolor": "white", "linewidth": 0, "pad": 1.5}, fontsize=7, zorder=4)  # fmt: skip
     drawing.label_axes(axes, dataset)
-    return style.legend(figure, [axes], 1, drawing.patches(_SECTORS.values(), _HATCH), "outside right upper")
+    return style.legend(figure, [axes], 4, drawing.patches(_SECTORS.values(), _HATCH))

@@ -92,15 +92,9 @@ def draw(dataset: xr.Dataset) -> style.Figure:
         case = dataset.isel(case=index)
         relation = "<" if float(case.mass) < float(dataset.critical_mass) else ">"
         drawing.phase_plane(axes, case)
-        left, right = axes.get_xlim()
-        axes.set_xlim(left, right + 0.35 * (right - left))  # room for words beyond the line
+        axes.set_xlim(right=axes.get_xlim()[1] + 0.3 * np.ptp(axes.get_xlim()))  # room for words beyond the line
         drawing.draw_lines(axes, case)
-        drawing.draw_arrows(axes, case)
-        # The line N = 0 is steep: beyond m_cr forward slip has N < 0 only.
-        axes.text(0.4, 0.35, "$N < 0$", transform=axes.transAxes, ha="center")
-        words = "no\nsolution" if index else "$N > 0$"
-        axes.text(0.95, 0.875, words, transform=axes.transAxes, ha="right", va="center")
         title = f"({'ab'[index]}) $m$ = {style.number(case.mass)} kg ${relation} m_\\mathrm{{cr}}$"
         drawing.label_axes(axes, dataset, title)
         axes.locator_params(axis="x", nbins=3)
-    return style.legend(figure, planes, 4)
+    return drawing.guide(style.legend(figure, planes, 4), planes, [dataset.isel(case=k) for k in range(2)])

@@ -162,9 +162,8 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     claim = dataset.printed_peak_normal_force
     printed, part = claim / 1e3, claim.attrs["relative_tolerance"]
     force = dataset.swept_axial_force
-    over.axhspan(printed * (1 - part), printed * (1 + part), color=style.VERMILION, alpha=0.15, linewidth=0)
-    over.text(0.97, 0.1, f"{float(printed):g} kN ± {100 * part:g} %", color=style.VERMILION, ha="right", fontsize=6.5,
-              transform=over.transAxes)  # fmt: skip
+    over.axhspan(printed * (1 - part), printed * (1 + part), color=style.VERMILION, alpha=0.15, linewidth=0,
+                 label=f"printed ± {100 * part:g} %")  # fmt: skip
     over.plot(force, dataset.swept_peak_normal_force / 1e3, color=style.BLUE)
     over.plot(dataset.axial_force, dataset.peak_normal_force / 1e3, "o", color=style.BLUE)
     over.set(title="(c) ours: over $R$", xlabel=style.label(force, "Axial force"), xlim=(0, float(force[-1])))
@@ -174,7 +173,7 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     distance.plot(force, 100 * dataset.swept_orbit_distance, color=style.GREEN, linestyle="--")
     distance.set_ylabel("Distance to rigid cycle [%]", color=style.GREEN)
     distance.set_ylim(0, None)
-    return style.legend(figure, [plane], 3)
+    return style.legend(figure, [plane, panels["peaks"], over], 4)
 
 
 def _force(peaks: style.Axes, sliding: style.Axes, dataset: xr.Dataset) -> None:
@@ -186,9 +185,7 @@ def _force(peaks: style.Axes, sliding: style.Axes, dataset: xr.Dataset) -> None:
         axes.set_xlim(0, float(time[-1]))
         axes.plot([0, 1], [edge, edge], marker=[(-1, -0.6), (1, 0.6)], markersize=7, linestyle="none", mew=0.8,
                   color=style.BLACK, transform=axes.transAxes, clip_on=False, zorder=10)  # fmt: skip
-    peaks.axhline(printed, color=style.VERMILION, linestyle="--", linewidth=0.9)
-    peaks.text(0.99, 0.97, f"{printed:g} kN, printed", color=style.VERMILION, ha="right", va="top", fontsize=7,
-               transform=peaks.transAxes)  # fmt: skip
+    peaks.axhline(printed, color=style.VERMILION, linestyle="--", linewidth=0.9, label=f"{printed:g} kN, as printed")
     sliding.axhline(0, color=style.GREY, linewidth=0.6)
     highest = max(printed, float(dataset.normal_force.max()) / 1e3)
     peaks.set(title="(b) contact force", ylim=(0, 1.06 * 1.15 * highest), ylabel="$N$ [kN]")

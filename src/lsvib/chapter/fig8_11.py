@@ -70,9 +70,7 @@ def draw(dataset: xr.Dataset) -> style.Figure:
         lines.append((*drawing.parted(u[:-1], w[:-1], seized[:-1]), colour))
     drawing.mark_origin(axes)
     axes.margins(0.08)
-    axes.autoscale_view()
-    left, right = axes.get_xlim()
-    axes.set_xlim(left, right + 0.2 * (right - left))  # room for words beyond the lines
+    axes.set_xlim(right=axes.get_xlim()[1] + 0.2 * np.ptp(axes.get_xlim()))  # room for words beyond the lines
     for case, colour in zip(cases, colours, strict=False):
         drawing.draw_lines(axes, case, colour, "$N = 0$, same colour")
     drawing.arrows(axes, lines)
@@ -80,4 +78,4 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     axes.text(0.98, 0.96, "right of each line\nno solution: seizure", transform=axes.transAxes, ha="right", va="top")
     drawing.label_axes(axes, dataset)
     cycles = [line for line in axes.lines if str(line.get_label()).startswith("$c$")]
-    return style.legend(figure, [axes], 1, cycles, "outside right upper")
+    return style.legend(figure, [axes], 3, cycles)

@@ -118,8 +118,7 @@ def draw(dataset: xr.Dataset) -> style.Figure:
         deflection.plot(turned / float(one.period), np.roll(angle, -lowest) + steady, color=colour, linestyle=dashes)
     plane.plot(dataset.rigid_cycle_angle, dataset.rigid_cycle_velocity, color=style.BLACK, linewidth=0.9,
                linestyle=(0, (4, 2)), label="rigid drive")  # fmt: skip
-    plane.axvline(-steady, color=style.GREEN, linewidth=0.9, linestyle=":")
-    plane.text(-steady, 0.45, " $z = 0$", color=style.GREEN, fontsize=7, transform=plane.get_xaxis_transform())
+    plane.axvline(-steady, color=style.GREEN, linewidth=0.9, linestyle=":", label="$z = 0$")
     plane.locator_params(axis="x", nbins=5)
     drawing.mark_origin(plane)
     plane.margins(0.06)

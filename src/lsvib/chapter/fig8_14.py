@@ -321,12 +321,12 @@ def draw(dataset: xr.Dataset) -> style.Figure:
         force, mass = style.number(case.axial_force), style.number(case.mass)
         drawing.label_axes(axes, dataset, f"({letter}) {ours}$R$ = {force} N, $m$ = {mass} kg, {note}")
     edges = np.array([dataset[f"grid_{name}_deviation"].values[[0, -1]] for name in ("angle", "velocity")])
-    panels[0].axis(np.ravel(edges + 0.06 * np.ptp(edges, axis=1, keepdims=True) * [-1, 1]))  # all motions begin there
+    panels[0].axis(np.ravel(edges))  # all motions begin there
     for axes, case in zip(panels, cases, strict=True):
         drawing.draw_lines(axes, case)
-        drawing.guide(axes, case)
         axes.label_outer()
-    return style.legend(figure, panels, 4, [patch for axes in panels for patch in axes.patches])
+    patches = [patch for axes in panels for patch in axes.patches]
+    return drawing.guide(style.legend(figure, panels, 4, patches), panels, cases)
 
 
 def _region(axes: style.Axes, case: xr.Dataset) -> None:

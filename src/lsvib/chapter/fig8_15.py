@@ -260,8 +260,7 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     friction, stiffness = dataset.friction_coefficient, dataset.support_stiffness
     colours = {name: colour for name, (colour, *_) in _REGIONS.items()}
     drawing.regions(axes, friction, stiffness, dataset.stability.T, colours)
-    # 250 rows and columns are enough for hatching.
-    coarse = thinned(dataset, 250)
+    coarse = thinned(dataset, 250)  # enough rows and columns for hatching
     for name, (_, hatch, _) in _REGIONS.items():
         inside = named(coarse.stability, name).T.astype(float)
         if hatch and inside.any():
@@ -273,4 +272,4 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     axes.axvline(critical, color=style.VERMILION, linewidth=1.4, label=rf"$\mu_\mathrm{{kc}}$ = {critical:.4f}")
     axes.axvline(printed, **style.PRINTED, label=rf"$\mu_\mathrm{{kc}}$ = {printed:g}, as printed")
     style.frame(axes, "", friction, stiffness, yscale="log", xlim=friction[[0, -1]], ylim=stiffness[[0, -1]])
-    return style.legend(figure, [axes], 1, drawing.patches(_REGIONS.values(), _HATCH), "outside right upper")
+    return style.legend(figure, [axes], 2, drawing.patches(_REGIONS.values(), _HATCH))

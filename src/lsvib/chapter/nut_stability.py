@@ -165,11 +165,8 @@ def draw(dataset: xr.Dataset) -> style.Figure:
               label="by eigenvalues", clip_on=False)  # fmt: skip
     shade = {"color": _COLOURS["kinematic constraint"], "linewidth": 0}
     mass.fill_between(inertia, dataset.critical_mass_with_nut, 1.15 * rigid, **shade)
-    mass.axhline(rigid, color=style.GREY, linewidth=0.9, linestyle="--")
-    mass.annotate(f"nut that cannot turn: {rigid:.3f} kg", (0.03, rigid), (0, 3), color="#505050", fontsize=6.5,
-                  xycoords=mass.get_yaxis_transform(), textcoords="offset points")  # fmt: skip
-    mass.axvline(screw, 0, 0.82, color=style.BLACK, linewidth=0.6, linestyle=":")
-    mass.text(screw, 0.06, " $I_2 = I$", fontsize=7.5, transform=mass.get_xaxis_transform())
+    mass.axhline(rigid, color=style.BLACK, linewidth=0.9, linestyle="--", label=f"nut that cannot turn: {rigid:.3f} kg")
+    mass.axvline(screw, color=style.BLACK, linewidth=0.6, linestyle=":", label="$I_2 = I$")
     friction, drawn = dataset.friction_coefficient, float(dataset.drawn_friction_coefficient)
     title = rf"(a) critical mass, $\mu$ = {style.number(drawn)}"
     style.frame(mass, title, inertia, "Critical mass $m_\\mathrm{cr}$ [kg]", xscale="log", ylim=(0, 1.15 * rigid))
@@ -187,4 +184,4 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     style.frame(plane, title, friction, inertia, yscale="log", **limits)
     words = {"kinematic constraint": "unstable: kinematic constraint", "stable": "stable"}
     patches = drawing.patches(((_COLOURS[name], None, label) for name, label in words.items()), style.GREY)
-    return style.legend(figure, [mass, plane], 4, patches)
+    return style.legend(figure, [mass, plane], 3, patches)

@@ -43,7 +43,7 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     if "contact_line_angle" in dataset:
         drawing.draw_lines(axes, dataset, style.VERMILION, "$Q = 0$")
     drawing.label_axes(axes, dataset)
-    return style.legend(figure, [axes], 1, first, "outside right upper")
+    return style.legend(figure, [axes], 3, first)
 
 
 def draw_map(axes: style.Axes, dataset: xr.Dataset) -> tuple[object, ...]:

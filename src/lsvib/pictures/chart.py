@@ -1,6 +1,8 @@
 """Sweep over two parameters: what the drive does as colour, the exact curves on top, each with its name."""
 
+from collections.abc import Iterator
 from itertools import cycle
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -50,24 +52,22 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     axes, found = figure.add_subplot(), kinds(dataset)
     down, across = map(str, found.dims)
     found = found.sortby([down, across])
-    for name, scale, limit, say in (
-        (across, axes.set_xscale, axes.set_xlim, axes.set_xlabel),
-        (down, axes.set_yscale, axes.set_ylim, axes.set_ylabel),
-    ):
-        values = found[name].values
-        if _in_ratios(values):
-            scale("log")
+    for axis, values in (("x", found[across].values), ("y", found[down].values)):
+        axes.set(**{f"{axis}scale": "log" if _in_ratios(values) else "linear"})
         if values.size > 1:
-            limit(values[0], values[-1])
-        say(style.label(dataset[name]))
+            axes.set(**{f"{axis}lim": values[[0, -1]]})
+    style.frame(axes, "", dataset[across], dataset[down])
     names, own = flag_names(found), looks(found)
     colours = {name: colour for name, (colour, _) in own.items()}
     drawing.regions(axes, _edges(found[across].values), _edges(found[down].values), found, colours, zorder=0)
-    if "boundary_name" in dataset:
-        _curves(axes, dataset, across, down)
     shares = {name: 100 * float((found == kind).mean()) for kind, name in names.items()}
     entries = [(own[name][0], None, f"{own[name][1]}: {share:.1f} %") for name, share in shares.items() if share]
-    return style.legend(figure, [], 2, drawing.patches(entries, style.GREY))
+    patches = drawing.patches(entries, style.GREY)
+    style.laid_out(style.legend(figure, [], 2, patches))
+    if "boundary_name" in dataset and (left := _curves(axes, dataset, across, down)):
+        figure.legends[0].remove()
+        style.legend(figure, [], 2, [*patches, *left])
+    return figure
 
 
 def _in_ratios(values: np.ndarray) -> bool:
@@ -86,28 +86,36 @@ def _edges(values: np.ndarray) -> np.ndarray:
     return np.concatenate([values[:1] - half[:1], values[:-1] + half[: values.size - 1], values[-1:] + half[-1:]])
 
 
-def _curves(axes: style.Axes, dataset: xr.Dataset, across: str, down: str) -> None:
-    """Draw the exact curves, and write its name on the longest line of each."""
+def _curves(axes: style.Axes, dataset: xr.Dataset, across: str, down: str) -> list[Any]:
+    """Draw the exact curves, each with its name beside it; returns lines for a legend of those without room for it."""
     from matplotlib import patheffects
 
-    halo = [patheffects.withStroke(linewidth=2.2, foreground="white")]
-    names, longest = flag_names(dataset.boundary_name), dict[str, tuple[float, np.ndarray, np.ndarray]]()
+    halo: dict[str, Any] = {"path_effects": [patheffects.withStroke(linewidth=2.2, foreground="white")]}
+    names, lines, left = flag_names(dataset.boundary_name), dict[str, list[Any]](), list[Any]()
     for number in np.unique(dataset.boundary_line.values):
         part = dataset.isel(boundary_point=dataset.boundary_line.values == number)
         name = names[int(part.boundary_name[0])]
-        points = np.column_stack([part[f"boundary_{across}"], part[f"boundary_{down}"]])
-        dashes = _CURVES.get(name, (name, "-"))[1]
-        axes.plot(*points.T, color=style.BLACK, linewidth=1.1, linestyle=dashes, zorder=2, path_effects=halo)
-        path = axes.transAxes.inverted().transform(axes.transData.transform(points))
+        words, dashes = _CURVES.get(name, (name, "-"))
+        points = part[f"boundary_{across}"], part[f"boundary_{down}"]
+        look = {"color": style.BLACK, "linewidth": 1.1, "linestyle": dashes, "zorder": 2, **halo}
+        lines.setdefault(words, []).extend(axes.plot(*points, **look))
+    for words, own in lines.items():
+        look = {"ha": "center", "va": "center", "fontsize": 7.5, "zorder": 3, **halo}
+        if not drawing.write(axes, words, _along(axes, own), **look):
+            left += own
+            for line in own:
+                line.set(color=_OTHERS[len(left) % len(_OTHERS)], label=words)
+    return left
+
+
+def _along(axes: style.Axes, lines: list[Any]) -> Iterator[tuple[float, float, float]]:
+    """Places beside lines, above and below each, from its middle outwards."""
+    for line in lines:
+        path = axes.transData.transform(line.get_xydata())
         way = np.append(0.0, np.cumsum(np.hypot(*np.diff(path, axis=0).T)))
-        if way[-1] > longest.get(name, (0.2,))[0]:  # words need a fifth of a side
-            longest[name] = way[-1], way, points
-    for k, (name, (length, way, points)) in enumerate(longest.items()):
-        # In its middle, or before or after it, so that names on lines beside each other stand apart.
-        ends = [
-            [np.interp((0.5 + 0.2 * (k % 3 - 1) + aside) * length, way, x) for x in points.T] for aside in (0, 0.02)
-        ]
-        first, last = axes.transData.transform(ends)
-        angle = np.degrees(np.arctan(np.divide(*(last - first)[::-1]))) if last[0] != first[0] else 90.0
-        axes.annotate(_CURVES.get(name, (name,))[0], (*ends[0],), fontsize=7.5, rotation=angle, rotation_mode="anchor",
-                      ha="center", va="bottom", zorder=3, path_effects=halo)  # fmt: skip
+        for share in (0.5 + side * aside for aside in np.linspace(0, 0.48, 25) for side in (1, -1)):
+            first, last = np.transpose([np.interp(share * way[-1] + np.array([-12, 12]), way, x) for x in path.T])
+            angle = np.arctan2(*(last - first)[::-1])
+            for side in (10, -10):  # so far that the line, and one on it, is clear of words of this size
+                place = (first + last) / 2 + side * np.array([-np.sin(angle), np.cos(angle)])
+                yield *axes.transData.inverted().transform(place), 90 - (90 - np.degrees(angle)) % 180

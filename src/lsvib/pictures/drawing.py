@@ -1,6 +1,7 @@
 """Draw phase planes from the variables of ``lsvib.answers.phase_plane``: one case, a few motions, lines and marks."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -21,25 +22,20 @@ def single(dataset: xr.Dataset) -> style.Figure:
     axes, case = figure.add_subplot(), dataset.isel(case=0)
     phase_plane(axes, case)
     draw_lines(axes, case)
-    guide(axes, case)
     label_axes(axes, dataset, f"$R$ = {style.number(case.axial_force)} N")
-    return style.legend(figure, [axes], 3)
+    return guide(style.legend(figure, [axes], 3), [axes], [case])
 
 
-def phase_plane(
-    axes: style.Axes, case: xr.Dataset, widths: Sequence[float] = EVEN, cycle: float = 1.8, margin: float = 0.06
-) -> None:
+def phase_plane(axes: style.Axes, case: xr.Dataset, widths: Sequence[float] = EVEN, margin: float = 0.06) -> None:
     """Draw motions, limit cycle and origin of one case, with limits around the motions and the line θ′ = 0.
 
-    ``widths`` of the motions and the cycle in points; ``margin`` beyond the motions, in their extent.
+    ``widths`` of the motions in points; ``margin`` beyond the motions, in their extent.
     """
     draw_motions(axes, case, widths)
-    draw_cycle(axes, case, width=cycle)
+    draw_cycle(axes, case)
     mark_origin(axes)
-    u, w = case.angle_deviation.values, np.append(case.velocity_deviation.values, float(case.stop_velocity))
-    for limits, x in ((axes.set_xlim, u), (axes.set_ylim, w)):
-        room = margin * (np.ptp(x) or 1.0)  # of a motion at one place as well
-        limits(x.min() - room, x.max() + room)
+    axes.update_datalim([(0.0, float(case.stop_velocity))])
+    axes.margins(margin)
 
 
 def label_axes(axes: style.Axes, dataset: xr.Dataset, title: str | None = None) -> None:
@@ -76,6 +72,28 @@ def draw_motions(axes: style.Axes, case: xr.Dataset, widths: Sequence[float] = E
             before = [motion[f"event_{name}_deviation_before"].values[seized] for name in ("angle", "velocity")]
             mark_seizures(axes, before[0], before[1], colour)
         axes.plot(u[0], w[0], "o", color=colour, markerfacecolor="white", label="start", zorder=4.5)
+
+
+def with_events(dataset: xr.Dataset, begin: bool = True) -> xr.Dataset:
+    """Return a motion over ``sample``: its samples, and what it was just before and after each event between them.
+
+    ``begin``: also events at its start, before which no motion leads to such a state.
+    """
+    dataset = dataset if begin else dataset.isel(event=dataset.event_time.values > 0)
+    mode, after = dataset["mode"], dataset.event_mode.values
+    before = np.append(mode[:1], after)[: after.size]
+    ends: dict[Any, list[Any]] = {"mode": [before, after], "time": 2 * [dataset.event_time]}
+    for name, own in dataset.data_vars.items():
+        if own.dims == ("time",) and own.dtype.kind in "fiu" and name not in ends:
+            between = np.interp(dataset.event_time, dataset.time, own)  # of what is not known at events
+            ends[name] = [dataset.get(f"event_{name}_{when}", between) for when in ("before", "after")]
+    points = {name: np.append(np.stack(own, axis=1), dataset[name]) for name, own in ends.items()}
+    order = np.argsort(points["time"], kind="stable")  # a sample at the time of an event is one after it
+    events = dataset[[name for name, own in dataset.data_vars.items() if own.dims == ("event",)]]
+    found = events.assign({name: ("sample", x[order], dataset[name].attrs) for name, x in points.items()})
+    if (each := dataset.sizes["time"] / max(order.size - dataset.sizes["time"], 1)) < 4:
+        found.time.attrs["long_name"] += f" ({2 * each:.2g} samples between events, so that peaks are cut)"
+    return found
 
 
 def rests(mode: xr.DataArray) -> np.ndarray:
@@ -115,9 +133,8 @@ def _broken_line(
 ) -> None:
     """Draw a line that is solid but for its jumps, which are dotted."""
     axes.plot(*parted(u, w, jumps), color=colour, linewidth=width, label=name, zorder=2.2)
-    for k in np.flatnonzero(jumps):
-        axes.plot(u[k : k + 2], w[k : k + 2], color=colour, linewidth=1, linestyle=(0, (1, 1.2)),
-                  label="seizure: jump of the rate")  # fmt: skip
+    ends = [np.array([x[:-1][jumps], x[1:][jumps]]) for x in (u, w)]
+    axes.plot(*ends, color=colour, linewidth=1, linestyle=(0, (1, 1.2)), label="seizure: jump of the rate")
 
 
 def parted(u: np.ndarray, w: np.ndarray, jumps: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -126,28 +143,52 @@ def parted(u: np.ndarray, w: np.ndarray, jumps: np.ndarray) -> tuple[np.ndarray,
     return np.insert(u, after, np.nan), np.insert(w, after, np.nan)
 
 
-def guide(axes: style.Axes, case: xr.Dataset) -> None:
-    """Name the sides of the line N = 0 of one case, and draw the arrows of :func:`draw_arrows`.
+def guide(figure: style.Figure, panels: Iterable[style.Axes], cases: Iterable[xr.Dataset]) -> style.Figure:
+    """Name the sides of the line N = 0 of each panel's case, and draw the arrows of :func:`draw_arrows`.
 
-    To be called when the panel has its limits; the words are a little smaller than the arrows.
-    N = Q / [Γ_s (cos λ + s μ sin λ)] (8.17), and Q grows with u: N > 0 to the right where Γ₊ > 0. Where Γ₊ < 0 a motion
-    follows law −, for which N θ′ < 0, and beyond the line there is no solution: only the side of slip has a name.
+    To be called when all is drawn. N = Q / [Γ_s (cos λ + s μ sin λ)] (8.17), and Q grows with u: N > 0 to the right
+    where Γ₊ > 0. Where Γ₊ < 0 a motion follows law −, for which N θ′ < 0, and beyond the line there is no solution.
     """
-    draw_arrows(axes, case)
-    angle, slope, stop = (float(case[x]) for x in ("contact_line_angle", "contact_line_slope", "stop_velocity"))
-    sides, (low, high) = np.array(axes.get_xlim()), axes.get_ylim()
-    room = 2.4 * _ARROW * axes.figure.dpi / 72 / axes.bbox.width * np.ptp(sides)
-    if slope:
-        low, high = np.clip(np.sort((sides - angle) / slope), low, high)
-    above, below = (stop, stop) if float(case.effective_inertia_plus) < 0 else (low, high)
-    for word, side, first, last in (("$N > 0$", 1, low, min(below, high)), ("$N < 0$", -1, max(above, low), high)):
-        if last > first:  # in view
-            # As high as the word has room beside the line.
-            rates = first + np.linspace(0.85, 0.15, 15) * (last - first)
-            rate = max(rates, key=lambda x: min(room, np.abs(sides - angle - slope * x).min()))
-            place = angle + slope * rate + 0.015 * side * np.ptp(sides), rate
-            axes.text(*place, word, ha="left" if side > 0 else "right", va="center", fontsize=0.8 * _ARROW, zorder=4,
-                      bbox={"facecolor": "#FFFFFF90", "linewidth": 0, "pad": 0.2})  # fmt: skip
+    style.laid_out(figure)
+    for axes, case in zip(panels, cases, strict=True):
+        draw_arrows(axes, case)
+        angle, slope, stop = (float(case[x]) for x in ("contact_line_angle", "contact_line_slope", "stop_velocity"))
+        width, (low, high) = np.ptp(axes.get_xlim()), axes.get_ylim()
+        names = [("$N > 0$", 1, low, high), ("$N < 0$", -1, low, high)]
+        if float(case.effective_inertia_plus) < 0:
+            names = [("$N > 0$", 1, low, stop), ("$N < 0$", -1, stop, high)]
+            names += [("no solution", 1, stop, high), ("no solution", -1, low, stop)]
+        for word, side, first, last in names:
+            places = product(np.linspace(0.02, 0.6, 13) * side * width, np.linspace(last, first, 42)[1:-1])
+            beside = ((angle + slope * rate + away, rate, 0.0) for away, rate in places)
+            write(axes, word, beside, ha="left" if side > 0 else "right", va="center", zorder=4)
+    return figure
+
+
+def write(axes: style.Axes, words: str, places: Iterable[tuple[float, float, float]], **look: Any) -> bool:
+    """Write words at the first place in a panel, x, y and an angle, where they cover none of its lines and words.
+
+    Returns whether there is such a place. To be called when the figure is laid out.
+    """
+    text = axes.text(0, 0, words, rotation_mode="anchor", **look)
+    taken = [line.get_transform().transform_path(line.get_path()) for line in axes.lines]
+    taken += [outline(other) for other in axes.texts[:-1] if other.get_text()]
+    room = axes.bbox.padded(-axes.figure.dpi / 20)  # clear of the ticks
+    for x, y, angle in places:
+        text.set(x=x, y=y, rotation=angle)
+        own = outline(text)
+        covers = (own.intersects_path(path, filled=False) or own.contains_points(path.vertices).any() for path in taken)
+        if all(room.contains(*corner) for corner in own.vertices) and not any(covers):
+            return True
+    text.remove()
+    return False
+
+
+def outline(text: Any, pad: float = 1.5) -> Any:
+    """Return the rectangle [pixels] in which words stand, turned as they are, so many points wider on each side."""
+    text.set_bbox({"pad": pad, "visible": False})
+    text.update_bbox_position_size(text.figure.canvas.get_renderer())
+    return text.get_bbox_patch().get_transform().transform_path(text.get_bbox_patch().get_path())
 
 
 def draw_arrows(axes: style.Axes, case: xr.Dataset) -> None:
@@ -194,7 +235,6 @@ def arrows(axes: style.Axes, lines: Sequence[DrawnLine]) -> None:
 
     It points in the direction of the line's points. To be called when the panel has its limits.
     """
-    pixels = axes.figure.dpi / 72
     for x, y, colour in lines:
         path = axes.transData.transform(np.column_stack([x, y]))
         seen: np.ndarray = np.all((path > axes.bbox.min) & (path < axes.bbox.max), axis=1)
@@ -202,10 +242,6 @@ def arrows(axes: style.Axes, lines: Sequence[DrawnLine]) -> None:
         if not steps.any():
             continue
         way = np.append(0.0, np.cumsum(steps))
-        here = min(6 * _ARROW * pixels, way[-1] / 2)
-        last = int(np.searchsorted(way, here))
-        along = (path[last] - path[last - 1]) / steps[last - 1]
-        tip = path[last] - (way[last] - here) * along
-        head, tail = axes.transData.inverted().transform([tip, tip - pixels * along])
-        look = {"color": colour, "linewidth": 0, "mutation_scale": _ARROW, "shrinkA": 0, "shrinkB": 0}
-        axes.annotate("", head, tail, arrowprops={"arrowstyle": "-|>", **look}, zorder=3.2)
+        last = int(np.searchsorted(way, min(_ARROW * axes.figure.dpi / 12, way[-1] / 2)))
+        look = dict[str, Any](arrowstyle="-|>", color=colour, linewidth=0, mutation_scale=_ARROW, shrinkA=0, shrinkB=0)
+        axes.annotate("", (x[last], y[last]), (x[last - 1], y[last - 1]), arrowprops=look, zorder=3.2)

@@ -54,6 +54,7 @@ _STYLE: dict[Any, Any] = {
     "ytick.direction": "in",
     "xtick.top": True,
     "ytick.right": True,
+    "xtick.major.pad": 5,  # below the lowest label of the other axis
     "legend.frameon": False,
     "legend.fontsize": 7.5,
     "legend.columnspacing": 1.5,
@@ -162,15 +163,27 @@ def stated(dataset: xr.Dataset) -> str:
     return " ".join(text.replace("$", "").split())
 
 
-def legend(
-    figure: Figure, axes: Iterable[Axes], columns: int, first: Sequence[Any] = (), place: Any = "outside upper center"
-) -> Figure:
-    """Put one legend beside the panels: the ``first`` artists, then what the panels name, each name once."""
-    entries = {artist.get_label(): artist for artist in first}
-    for panel in axes:
-        for handle, name in zip(*panel.get_legend_handles_labels(), strict=True):
-            entries.setdefault(name, handle)
-    figure.legend(entries.values(), entries.keys(), loc=place, ncols=columns)
+def legend(figure: Figure, axes: Iterable[Axes], columns: int, first: Sequence[Any] = ()) -> Figure:
+    """Put one legend above the panels: the ``first`` artists, then what the panels name.
+
+    Each name is there once, with all colours in which it is drawn.
+    """
+    from matplotlib.legend_handler import HandlerTuple
+
+    entries = dict[str, dict[str, Any]]()
+    for artist in (*first, *(handle for panel in axes for handle in panel.get_legend_handles_labels()[0])):
+        colour = artist.get_color() if hasattr(artist, "get_color") else ""
+        entries.setdefault(artist.get_label(), {}).setdefault(colour, artist)
+    look = {"handlelength": max([2, *map(len, entries.values())]), "handler_map": {tuple: HandlerTuple(None, pad=0.3)}}
+    handles: Any = [(*own.values(),) for own in entries.values()]
+    figure.legend(handles, [*entries], loc="outside upper center", ncols=columns, **look)
+    return figure
+
+
+def laid_out(figure: Figure) -> Figure:
+    """Return the figure with its layout found, for what is placed by the size that panels have in the end."""
+    if (layout := figure.get_layout_engine()) is not None:
+        layout.execute(figure)
     return figure
 
 
@@ -183,9 +196,7 @@ def save(figure: Figure, png: File | None, pdf: File | None = None, *, resolutio
     # With an engine of layout, be it the one named "none", each file would be drawn once more, unseen, to lay it out.
     with _look(**{"figure.constrained_layout.use": False}):
         figure.set_dpi(resolution)
-        if (layout := figure.get_layout_engine()) is not None:
-            layout.execute(figure)
-            figure.set_layout_engine(None)
+        laid_out(figure).set_layout_engine(None)
         for path, kind, unsaid in ((png, "png", ["Software"]), (pdf, "pdf", ["CreationDate", "Producer"])):
             if path is not None:
                 with replacing(path) as (part,):
