@@ -79,7 +79,7 @@ class Simulation:
             return SteadyState.unresolved(state, Doubt.COMMAND)
         return steady_state(automaton_of(scene.drive, scene.resume, rest=scene.rests), state)
 
-    @property
+    @cached_property
     def _seizures(self) -> Impulses | None:
         """The impulses of each event, of drives that may seize."""
         return event_impulses(self.scene.drive, self.motion) if self.motion.automaton.marks.get("impact") else None
@@ -92,18 +92,15 @@ class Simulation:
         scene, motion, definition = self.scene, self.motion, self.scene.definition
         times, codes, seizures = np.linspace(0.0, scene.duration, scene.samples), motion.automaton.codes, self._seizures
         asked = scene.outputs if outputs is None else outputs
-        found = phase_plane.observed(motion, *motion.at(times), definition.modes, asked)
-        for name in asked:
-            if TABLE[name].carried:
-                turned = scene.command.angle(times) if scene.command else scene.drive.input_speed * times
-                travel = scene.drive.pitch_radius * np.tan(scene.drive.lead_angle) * turned
-                found[name] = found[name][0] + travel, found[name][1]
-            if TABLE[name].rubbed and seizures:
-                found[name][1]["comment"] = cf.WITHOUT_IMPULSES
+        seen = self._seen(times, *motion.at(times), asked)
+        data: cf.Variables = {name: ("time", *known) for name, known in seen.items()}
         if scene.command:
-            found["commanded_speed"] = scene.command.at(times), cf.quantity("commanded_speed")
-        data: cf.Variables = {name: ("time", *known) for name, known in found.items()}
+            data["commanded_speed"] = "time", scene.command.at(times), cf.quantity("commanded_speed")
         events = phase_plane.events(motion, definition.events, seizures)
+        modes = motion.arcs()[0]
+        for when, states, rows in (("before", motion.before, modes[:-1]), ("after", motion.after, modes[1:])):
+            seen = self._seen(motion.time, states, rows, asked)
+            events |= {f"event_{x}_{when}": (seen[x][0], seen[x][1] | cf.quantity(x, when)) for x in asked}
         after = cf.flagged("event", codes[motion.mode], "mode of motion after the event", definition.modes)
         data |= {name: ("event", *known) for name, known in events.items()} | {"event_mode": after}
         coordinates = {
@@ -123,6 +120,18 @@ class Simulation:
         if scene.command:
             about |= {"command": scene.command.model_dump_json(), "comment": _COMMANDED}
         return cf.answer(data | cf.given(parameters), coordinates, about)
+
+    def _seen(self, times: Any, states: Any, rows: Any, asked: tuple[str, ...]) -> phase_plane.WithAttributes:
+        """Return the states and what is ``asked`` for at some times, by name."""
+        scene, found = self.scene, phase_plane.observed(self.motion, states, rows, self.scene.definition.modes, asked)
+        for name in asked:
+            if TABLE[name].carried:
+                turned = scene.command.angle(times) if scene.command else scene.drive.input_speed * times
+                travel = scene.drive.pitch_radius * np.tan(scene.drive.lead_angle) * turned
+                found[name] = found[name][0] + travel, found[name][1]
+            if TABLE[name].rubbed and self._seizures:
+                found[name][1]["comment"] = cf.WITHOUT_IMPULSES
+        return found
 
     def file(self) -> xr.Dataset:
         """Return the dataset for a file that explains itself: with its attractor, N and z.

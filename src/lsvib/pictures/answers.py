@@ -5,6 +5,7 @@ A dataset says by its variables what it is, so a file draws itself as well as wh
 
 import json
 import os
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -12,19 +13,19 @@ import xarray as xr
 
 from lsvib.answers.attributes import flag_names, named, quantity
 from lsvib.answers.io import read_dataset
-from lsvib.answers.phase_plane import curve, orbits
+from lsvib.answers.phase_plane import curve, lines, orbits
 from lsvib.drives.drive import Drive
 from lsvib.errors import InputError
 from lsvib.numbers import shown
-from lsvib.pictures import attraction, chart, drawing, friction_loop, phase_plane, style
+from lsvib.pictures import attraction, chart, drawing, style
 
-KINDS = {"phase_plane": phase_plane.draw, "friction_loop": friction_loop.draw}  # of a motion, besides that over time
 _STATE = "velocity_deviation"  # which every motion has
 _CAN = "motions, sweeps of one or two parameters, cycles, branches, basins, and maps of u and w can"
 _NUMBERS = "bfiu"  # kinds of types
 _HEIGHT, _EDGE = 1.3, 0.6  # of a panel over time, and of what is around all of them [inch]
-_MARKS = "x.os^vDP*"  # of what drives do, for readers in grey
-_MARK = {"markersize": 3, "markeredgecolor": style.BLACK, "markeredgewidth": 0.3}
+_MARKS = "X.os^vDP*"  # of what drives do, for readers in grey
+_PLAIN = {"fontweight": "normal", "wrap": True}  # title of a panel
+_MARK = dict[str, Any](markersize=3, markeredgecolor=style.BLACK, markeredgewidth=0.3)
 
 
 def draw(answer: Any, kind: str | None = None) -> style.Figure:
@@ -39,7 +40,7 @@ def draw(answer: Any, kind: str | None = None) -> style.Figure:
     >>> motion = lsvib.Drive(mass=11, support_damping=1e-3, axial_force=-10).simulate({"u": 0.1, "w": 0}, 0.1)
     >>> figure = lsvib.draw(motion)  # figure.savefig("motion.pdf") writes it
     >>> [axes.get_title("left") for axes in figure.axes][0]
-    'Angular speed of the screw'
+    'Angular speed of the screw $\\dot\\theta$ [rad s⁻¹]'
 
     See also: ``lsvib draw``, of a file in the shell.
     """
@@ -97,10 +98,11 @@ def _drawn(dataset: xr.Dataset, kind: str | None) -> style.Figure:
 
 def _picture(dataset: xr.Dataset, kind: str | None) -> style.Figure:
     motion = "event_kind" in dataset and _STATE in dataset and dataset[_STATE].dims == ("time",)
-    if kind is not None and not (motion and kind in KINDS):
-        raise InputError(f"{shown(kind)} cannot be drawn of this; of a motion {' and '.join(KINDS)} can.")
+    kinds = {"phase_plane": _phase_plane, "friction_loop": _friction_loop}  # of a motion, besides that over time
+    if kind is not None and not (motion and kind in kinds):
+        raise InputError(f"{shown(kind)} cannot be drawn of this; of a motion {' and '.join(kinds)} can.")
     if motion:
-        return KINDS.get(kind or "", _motion)(dataset)
+        return kinds.get(kind or "", _motion)(dataset)
     if "attracting" in dataset and "changes" in dataset.attrs:
         return _branch(dataset)
     own = "system" in dataset.attrs  # one's own
@@ -108,9 +110,7 @@ def _picture(dataset: xr.Dataset, kind: str | None) -> style.Figure:
         return _states(dataset)
     if not own and {"label", "cycle_angle", "boundary_angle"} & set(dataset):
         return attraction.draw(dataset)
-    swept = tuple(name for name in dataset.dims if name in Drive.model_fields)
-    if own:
-        swept = tuple(map(str, dataset["label"].dims))
+    swept = tuple(x for x in (dataset["label"].dims if own else dataset.dims) if own or x in Drive.model_fields)
     numbers = [name for name, x in dataset.data_vars.items() if x.dims == swept and x.dtype.kind in _NUMBERS]
     if not {"attractor", "label"} & {*numbers} or len(swept) not in (1, 2):
         raise InputError(f"a dataset over {', '.join(map(str, dataset.dims)) or 'nothing'} cannot be drawn; {_CAN}.")
@@ -119,65 +119,88 @@ def _picture(dataset: xr.Dataset, kind: str | None) -> style.Figure:
 
 def _motion(dataset: xr.Dataset) -> style.Figure:
     """A panel for the speed of the screw, and for each quantity that is stored besides the state."""
-    time, rate = dataset.time, dataset[_STATE]
     turning = float(dataset["input_speed"])
-    speed = dataset["screw_speed"] if "screw_speed" in dataset else (rate + turning).assign_attrs(
+    seized = dataset.event_time.values[named(dataset.event_kind, "seizure")]
+    dataset = drawing.with_events(dataset, begin=False)
+    time, rests = dataset.time, drawing.rests(dataset["mode"])
+    speed = dataset["screw_speed"] if "screw_speed" in dataset else (dataset[_STATE] + turning).assign_attrs(
         long_name="angular speed of the screw", symbol=r"$\dot\theta$", units="rad s-1"
     )  # fmt: skip
-    left_out = {"screw_speed", "commanded_speed", "mode", _STATE}
-    stored = [x for x in dataset.data_vars.values() if x.dims == ("time",) and x.dtype.kind in _NUMBERS]
-    others = [x for x in stored if x.name not in left_out]
-    figure = style.new_figure(style.DOUBLE, _EDGE + _HEIGHT * (1 + len(others)))
-    panels = figure.subplots(1 + len(others), 1, sharex=True, squeeze=False)[:, 0]
+    left_out = {"screw_speed", "commanded_speed", "mode", "time", _STATE}
+    others = [x for name, x in dataset.data_vars.items() if x.dims == time.dims and name not in left_out]
+    figure, panels = _column(time, [speed, *others])
     command = dataset["commanded_speed"] if "commanded_speed" in dataset else xr.full_like(time, turning)
     panels[0].plot(time, command, **style.PRINTED, label="command")
-    rests = drawing.rests(dataset["mode"])
+    look = dict[str, Any](color=style.GREEN, alpha=0.15, linewidth=0, label="rest")
     for axes, values in zip(panels, [speed, *others], strict=True):
         axes.plot(time, values, color=style.BLUE)
-        axes.set_xlim(time[0], time[-1])
-        _name(axes, values)
         if rests.any():
-            axes.fill_between(
-                time, 0, 1, where=rests, transform=axes.get_xaxis_transform(), step="post", color=style.GREEN,
-                alpha=0.15, linewidth=0, label="rest",
-            )  # fmt: skip
-    seized = dataset.event_time.values[named(dataset.event_kind, "seizure")]
+            axes.fill_between(time, 0, 1, where=rests, transform=axes.get_xaxis_transform(), **look)
     if seized.size:
         panels[0].plot(seized, np.zeros(seized.size), "v", color=style.VERMILION, markersize=3.2, label="seizure")
-    panels[-1].set_xlabel(style.label(time))
-    figure.align_ylabels(panels)
     return style.legend(figure, panels[:1], 3)
+
+
+def _column(along: xr.DataArray, quantities: Sequence[xr.DataArray]) -> tuple[style.Figure, np.ndarray]:
+    """A panel for each quantity over one that they share."""
+    figure = style.new_figure(style.DOUBLE, _EDGE + _HEIGHT * len(quantities))
+    panels = figure.subplots(len(quantities), 1, sharex=True, squeeze=False)[:, 0]
+    for axes, values in zip(panels, quantities, strict=True):
+        axes.set_title(style.label(values), **_PLAIN)
+        if along.name == "time":
+            axes.margins(x=0)
+    panels[-1].set_xlabel(style.label(along))
+    return figure, panels
+
+
+def _phase_plane(dataset: xr.Dataset) -> style.Figure:
+    """A motion from event to event; under a command, which moves it, the line N = 0 is left out."""
+    undriven = dict.fromkeys(("support_damping", "translation_damping", "axial_force"), 0.0)  # unless they are given
+    drive = Drive.of(undriven | json.loads(dataset.attrs["parameters"]))
+    case = drawing.with_events(dataset).expand_dims("start").assign(stop_velocity=-drive.input_speed)
+    axes = (figure := style.new_figure(style.SINGLE, 3.3)).add_subplot()
+    drawing.phase_plane(axes, case)
+    if drive.rigid and drive.input_speed and "command" not in dataset.attrs:
+        drawing.draw_lines(axes, case.assign({name: own[0] for name, (_, own, _) in lines([drive]).items()}))
+    else:
+        drawing.draw_stop(axes, -drive.input_speed)
+    drawing.draw_arrows(axes, case)
+    drawing.label_axes(axes, dataset)
+    return style.legend(figure, [axes], 2)
+
+
+def _friction_loop(dataset: xr.Dataset) -> style.Figure:
+    """The friction torque over the sliding speed, in slip and at rest; the line is parted at events."""
+    if not {"sliding_speed", "friction_torque"} <= set(dataset):
+        raise InputError("a friction loop needs sliding_speed and friction_torque among the outputs of the motion.")
+    dataset = drawing.with_events(dataset, begin=False)
+    speed, torque, rests = dataset.sliding_speed, dataset.friction_torque, drawing.rests(dataset["mode"])
+    events = np.diff(dataset.time) == 0
+    axes = (figure := style.new_figure(style.SINGLE, 2.8)).add_subplot()
+    for here, colour, width, words in ((~rests, style.BLUE, 1.2, "slip"), (rests, style.GREEN, 3.0, "rest")):
+        line = drawing.parted(np.where(here, speed, np.nan), np.where(here, torque, np.nan), events)
+        axes.plot(*line, color=colour, linewidth=width, solid_capstyle="butt", label=words)
+    style.frame(axes, "", speed, style.label(torque, "friction torque"))
+    return style.legend(figure, [axes], 2)
 
 
 def _states(dataset: xr.Dataset) -> style.Figure:
     """Each state of a system over time, with its events; or its cycles in the plane of the first two."""
     names = json.loads(dataset.attrs["system"])["states"]
     if "cycle" in dataset.dims:
-        figure, pair = style.new_figure(style.SINGLE, 3.3), (names * 2)[:2]
+        axes, pair = (figure := style.new_figure(style.SINGLE, 3.3)).add_subplot(), (names * 2)[:2]
         for one in dataset.cycle.values:
-            axes = figure.axes[0] if figure.axes else figure.add_subplot()
             axes.plot(*(dataset[name].sel(cycle=one) for name in pair), label=f"cycle {one}")
         style.frame(axes, "", *(dataset[name] for name in pair))
         return style.legend(figure, [axes], 3)
-    figure = style.new_figure(style.DOUBLE, _EDGE + _HEIGHT * len(names))
-    panels = figure.subplots(len(names), 1, sharex=True, squeeze=False)[:, 0]
+    dataset = drawing.with_events(dataset)
+    figure, panels = _column(dataset.time, [dataset[name] for name in names])
     own = ~named(dataset.event_kind, *(x for x in flag_names(dataset.event_kind).values() if x.startswith("phase ")))
     for axes, name in zip(panels, names, strict=True):
         axes.plot(dataset.time, dataset[name], color=style.BLUE)
-        axes.plot(
-            dataset.event_time[own], dataset[f"event_{name}_after"][own], ".", color=style.VERMILION, label="event"
-        )
-        axes.set_xlim(dataset.time[0], dataset.time[-1])
-        _name(axes, dataset[name])
-    panels[-1].set_xlabel(style.label(dataset.time))
+        at, after = dataset.event_time[own], dataset[f"event_{name}_after"][own]
+        axes.plot(at, after, ".", color=style.VERMILION, label="event")
     return style.legend(figure, panels[:1], 3)
-
-
-def _name(axes: style.Axes, values: xr.DataArray) -> None:
-    """Put the words of a quantity above a panel, its symbol and unit beside it."""
-    words, symbol = values.attrs.get("long_name", str(values.name)), values.attrs.get("symbol", "")
-    axes.set_title(words[:1].upper() + words[1:], fontweight="normal", wrap=True)
-    axes.set_ylabel(f"{symbol} {style.unit(values.attrs.get('units', '1'))}".strip())
 
 
 def _curves(dataset: xr.Dataset) -> style.Figure:
@@ -186,35 +209,31 @@ def _curves(dataset: xr.Dataset) -> style.Figure:
     looks = chart.looks(kinds)
     left_out = ("attractor", "behaviour", "label", "turns")
     numbers = [x for name, x in dataset.data_vars.items() if name not in left_out and np.isfinite(x).any()]
-    figure = style.new_figure(style.DOUBLE, _EDGE + _HEIGHT * len(numbers))
-    panels = figure.subplots(len(numbers), 1, sharex=True, squeeze=False)[:, 0]
+    figure, panels = _column(dataset[along], numbers)
     for axes, values in zip(panels, numbers, strict=True):
         for name, mark in zip(flag_names(kinds).values(), _MARKS, strict=False):
             here, (colour, words) = named(kinds, name), looks[name]
             if here.any():
                 axes.plot(dataset[along][here], values[here], mark, color=colour, label=words, **_MARK)
-        _name(axes, values)
-    panels[-1].set_xlabel(style.label(dataset[along]))
-    figure.align_ylabels(panels)
     return style.legend(figure, panels[:1], 4)
 
 
 def _branch(dataset: xr.Dataset) -> style.Figure:
     """Amplitude and period of a cycle along its branch, attracting or not, with what changes on it."""
-    figure = style.new_figure(style.DOUBLE, 3.0)
-    parameter = next(iter(dataset.data_vars))
-    value, attracts = dataset[parameter], dataset.attracting.values.astype(bool)
-    changes = json.loads(dataset.attrs["changes"])
-    panels = figure.subplots(1, 2)
+    value, attracts = dataset[next(iter(dataset.data_vars))], dataset.attracting.values.astype(bool)
+    # A piece of the line attracts if both its ends do, and all pieces are drawn.
+    repels = ~attracts | np.append(~attracts[1:], False) | np.append(False, ~attracts[:-1])
+    changes = [(one["name"] or one["kind"], one["along"]) for one in json.loads(dataset.attrs["changes"])]
+    panels = (figure := style.new_figure(style.DOUBLE, 3.0)).subplots(1, 2)
     for axes, name in zip(panels, ("amplitude", "period"), strict=True):
         here = dataset[name].values
-        for mask, look, words in ((attracts, "-", "attracts"), (~attracts, "--", "does not attract")):
-            # a point of either kind also ends the line of the other, so that no gap is left between them
-            near = mask | np.append(mask[1:], False) if look == "--" else mask
-            axes.plot(value, np.where(near, here, np.nan), look, color=style.BLUE, label=words)
-        for change in changes:
-            nearest = int(np.argmin(np.abs(value.values - change["value"])))
-            axes.plot(change["value"], here[nearest], "o", color=style.VERMILION, markersize=3, label="change")
-        axes.set_xlabel(style.label(value), labelpad=14)
-        _name(axes, dataset[name])
+        for mask, look, words in ((attracts, "-", "attracts"), (repels, "--", "does not attract")):
+            axes.plot(value, np.where(mask, here, np.nan), look, color=style.BLUE, label=words)
+        for mark, kind in zip("os^vD", dict(changes), strict=False):
+            places = [np.interp([at for word, at in changes if word == kind], dataset.along, x) for x in (value, here)]
+            axes.plot(*places, mark, color=style.VERMILION, markersize=3, label=kind)
+        if np.ptp(here) < 1e-6 * here.max():  # but for rounding it is constant, such as the period of what is forced
+            axes.set_ylim(0.9 * here.max(), 1.1 * here.max())
+        axes.set_xlabel(style.label(value))
+        axes.set_title(style.label(dataset[name]), **_PLAIN)
     return style.legend(figure, panels[:1], 3)

@@ -4,7 +4,7 @@ import json
 import math
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from functools import partial
 from itertools import product
 from typing import Any
@@ -136,7 +136,7 @@ def all_ends(system: System, starts: Iterable[Any], box: Any, count: Any, seed: 
 
 def orbits(found: Ends) -> xr.Dataset:
     """Return a period of each cycle of a system that was found as a dataset over ``cycle`` and ``sample``."""
-    states = np.array([end.cycle.orbit.at(np.linspace(0.0, end.period, 1001))[0] for end in found.cycles if end.cycle])
+    states = np.array([end.cycle.orbit.at(np.linspace(0.0, end.period, 4001))[0] for end in found.cycles if end.cycle])
     own = made(found.system)
     axes = {"cycle": cf.variable("cycle", np.arange(1, len(states) + 1), "1", "number of the cycle")}
     return _answer(found.system, "Cycles of a system", _states(own, ("cycle", "sample"), states), {}, axes)
@@ -216,7 +216,7 @@ def branch_json(branch: CycleBranch) -> dict[str, Any]:
         {"value": x.value, "multipliers": x.cycle.to_json_multipliers(), **{n: getattr(x.cycle, n) for n in names}}
         for x in branch.points
     ]
-    changes = [{"kind": x.kind, "value": x.value, "what": x.what, "name": x.name} for x in branch.changes]
+    changes = [asdict(x) for x in branch.changes]
     return {"parameter": branch.parameter, "points": points, "changes": changes}
 
 
