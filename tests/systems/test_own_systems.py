@@ -128,6 +128,22 @@ def test_a_ball_comes_to_rest_when_its_bounces_add_up(wall, still):
     assert "infinitely many events accumulate" in lost.reason
 
 
+def test_no_ball_falls_through_a_floor_that_it_hardly_leaves():
+    """The floor is anywhere, so that the rounding of a place is large beside the flight."""
+    random = np.random.default_rng(1)
+    for _ in range(30):
+        push, share, floor = 10 ** random.uniform(-1, 2), random.uniform(0.01, 0.9), 10 ** random.uniform(-2, 3)
+        ball = System(
+            states=["x", "v"], modes={"fly": {"x": "v", "v": -push}, "lie": {"x": 0, "v": 0}},
+            events=[{"mode": "fly", "when": f"x < {floor}", "reset": {"v": f"-{share}*v"}, "beyond": "lie"}],
+        )  # fmt: skip
+        for flight in 10 ** random.uniform(-16, 1, 8):
+            run = motion(ball, "fly", {"x": floor, "v": flight * push / 2}, 1e3)
+            assert run.time[0] == pytest.approx(flight, rel=1e-13, abs=0)
+            assert run.time[-1] == pytest.approx(flight / (1 - share), rel=1e-13, abs=made(ball).brief)
+            assert (made(ball).automaton.modes[run.end_mode], run.end_state[0]) == ("lie", floor)
+
+
 def test_two_switches_slide():
     """OpenModelica#12190: from 1/7 s on."""
     modes = {"above": {"x": "2", "y": "-3"}, "below": {"x": "-2", "y": "1.5"}}

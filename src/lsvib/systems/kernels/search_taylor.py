@@ -108,7 +108,7 @@ def first_fall(form, on_surface, rounding, top, local):
             for k in range(form.size - 1):
                 form[k] = form[k + 1]
             form[form.size - 1] = 0.0
-            if form[0] > rounding:
+            if form[0] > (0.0 if form[1] < -rounding else rounding):  # before what falls, a little is a rise
                 break
     least = form[0]
     for k in range(1, form.size):
