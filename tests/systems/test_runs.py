@@ -4,7 +4,6 @@ Without compilation results are the same to rounding, as LLVM may contract and r
 comparison with mpmath. An index out of range raises then.
 """
 
-import fcntl
 import json
 import logging
 import math
@@ -13,11 +12,11 @@ import subprocess
 import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
-from functools import cache
-from pathlib import Path
+from functools import cache, partial
 
 import numpy as np
 import pytest
+from filelock import FileLock, Timeout
 from references.drives import threads_drive
 from references.known import NEGATIVE_DAMPING, PARADOX
 
@@ -137,30 +136,71 @@ def test_the_folder_of_the_cache(monkeypatch, tmp_path):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     assert jit.cache_folder() == tmp_path / "cache" / "lsvib" / jit.source_digest()
     monkeypatch.delenv("XDG_CACHE_HOME")
-    monkeypatch.setattr(jit.Path, "home", lambda: Path(NOWHERE))
+    monkeypatch.setenv("HOME", NOWHERE)
     assert jit.cache_folder() is None
-
-    def no_home():
-        raise RuntimeError("Could not determine home directory.")
-
-    monkeypatch.setattr(jit.Path, "home", no_home)
+    monkeypatch.delenv("HOME")
+    monkeypatch.setattr("pwd.getpwuid", {}.__getitem__)  # of a user whom the system does not know
     assert jit.cache_folder() is None
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "chosen"))
+    assert jit.cache_folder() == tmp_path / "chosen"
 
 
-def test_one_process_at_a_time_adds_to_the_cache():
-    small = jit.numba.njit(lambda x: x, cache=True)
-    small._cache.flush()
-    with open(f"{jit.numba.config.CACHE_DIR}/lock", "w") as other, ThreadPoolExecutor(1) as pool:
-        fcntl.flock(other, fcntl.LOCK_EX)
-        called = pool.submit(small, 1.0)
-        while not small.overloads:  # until it is compiled
+@pytest.fixture
+def other():
+    """The lock of the cache, as another process has it."""
+    return FileLock(f"{jit.numba.config.CACHE_DIR}/lock", timeout=60)
+
+
+@pytest.fixture
+def small():
+    """Make a kernel that has not been kept, with the file that will."""
+    kernel = jit.numba.njit(lambda x: x, cache=True)
+    kernel._cache.flush()
+    return kernel, kernel._cache._cache_file
+
+
+@pytest.mark.skipif(jit.numba.config.DISABLE_JIT, reason="nothing is compiled")
+def test_one_process_at_a_time_adds_to_the_cache(small, other, monkeypatch):
+    """Until the other one has done, it waits; then it lets no other add until all is written."""
+    kernel, file = small
+    save = file.save
+
+    def alone(*what):
+        with pytest.raises(Timeout):
+            other.acquire(timeout=0)
+        save(*what)
+
+    monkeypatch.setattr(file, "save", alone)
+    with ThreadPoolExecutor(1) as pool, other:
+        called = pool.submit(kernel, 1.0)
+        while not (kernel.overloads or called.done()):  # until it is compiled
             time.sleep(0.01)
         with pytest.raises(TimeoutError):
             called.result(timeout=0.3)
-        assert not small._cache._cache_file._load_index()
-        fcntl.flock(other, fcntl.LOCK_UN)
+        assert not file._load_index()
+        other.release()
         assert called.result(timeout=60) == 1.0
-    assert len(small._cache._cache_file._load_index()) == 1
+    assert len(file._load_index()) == 1
+    with other.acquire(timeout=0):
+        pass
+
+
+@pytest.mark.skipif(jit.numba.config.DISABLE_JIT, reason="nothing is compiled")
+def test_nobody_waits_for_ever_to_add_to_the_cache(small, other, monkeypatch, caplog):
+    """Not for a process that has been stopped, and a thread not for itself; what cannot be kept is compiled and run."""
+    kernel, file = small
+    monkeypatch.setattr(jit.writer, "patience", 0.1)
+    with other:
+        assert (kernel(1.0), kernel(1)) == (1.0, 1)
+    assert not file._load_index()
+    (told,) = (record.getMessage() for record in caplog.records)
+    assert told.startswith("What is compiled is not kept for the next start: ")
+    ended = partial(jit.event.Event, status=jit.event.EventStatus.END, data={"dispatcher": None})
+    compiled, given_back = ended("numba:compile"), ended("numba:compiler_lock")
+    for event in (compiled, compiled, given_back, given_back):
+        jit.writer.notify(event)
+    with other.acquire(timeout=0):
+        pass
 
 
 def test_compiling_is_said_once_for_each_part(caplog):

@@ -1,6 +1,5 @@
 """A copy of the project with a tiny configuration, and a way to run Snakemake in it."""
 
-import fcntl
 import os
 import shutil
 import signal
@@ -9,6 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from filelock import FileLock
 
 ROOT = Path(__file__).parents[2]
 PARTS = ("Snakefile", "benchmarks", "config", "examples", "profiles", "src", "tests/references", "workflow")
@@ -67,8 +67,7 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> tuple[Project, str]:
     folder = (own.parent if "PYTEST_XDIST_WORKER" in os.environ else own) / "finished"
     folder.mkdir(exist_ok=True)
     said = folder / "said"
-    with (folder / "lock").open("w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
+    with FileLock(folder / "lock"):
         if not said.exists():
             run = copy_of_sources(folder / "project")()
             assert run.returncode == 0, run.stdout

@@ -4,6 +4,7 @@ import json
 import logging
 import os
 import signal
+import socket
 import sys
 import threading
 import time
@@ -93,16 +94,16 @@ def _heeding_interrupts() -> Iterator[None]:
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    reader, writer = os.pipe()
-    os.set_blocking(writer, False)
-    before = signal.set_wakeup_fd(writer, warn_on_full_buffer=False)
+    reader, writer = socket.socketpair()  # Windows takes no pipe for it
+    writer.setblocking(False)
+    before = signal.set_wakeup_fd(writer.fileno(), warn_on_full_buffer=False)
 
     def watch() -> None:
         """Wait for an interrupt, or for the end of the command."""
-        while (got := os.read(reader, 1)) != bytes([signal.SIGINT]):
-            if not got:  # the command has ended
-                os.close(reader)
-                return
+        with reader:
+            while (got := reader.recv(1)) != bytes([signal.SIGINT]):
+                if not got:  # the command has ended
+                    return
         with WRITING:
             pass
         time.sleep(1.0)  # in which Python ends the command itself, if it can
@@ -117,7 +118,7 @@ def _heeding_interrupts() -> Iterator[None]:
     finally:
         running.clear()
         signal.set_wakeup_fd(before)
-        os.close(writer)
+        writer.close()
 
 
 class ProgressLine:

@@ -12,7 +12,6 @@ The first use of the engine takes much longer than all later ones, so a sentence
 being compiled; the ``lsvib`` command shows it. What numba finds in its cache starts no compilation.
 """
 
-import fcntl
 import hashlib
 import logging
 import os
@@ -32,6 +31,7 @@ from llvmlite import ir
 from numba import types
 from numba.core import cgutils, event
 from numba.extending import intrinsic, overload, register_jitable
+from platformdirs import user_cache_path
 
 from lsvib.systems.kernels.layout import Modal, ModalFlow, Planar, Taylor, TaylorFlow
 
@@ -80,17 +80,27 @@ class OneWriter(event.Listener):
 
     def __init__(self) -> None:
         self.mine = threading.local()  # one thread at a time compiles, but others give the lock back, too
+        self.patience = 30.0  # s; to write a kernel takes milliseconds
 
     def on_start(self, event: event.Event) -> None:
         """Let it begin."""
 
     def on_end(self, event: event.Event) -> None:
         """Wait until no other process adds, or let others add, who may also do so when this process ends."""
-        if event.kind == "numba:compile":
-            self.mine.lock = os.open(os.path.join(numba.config.CACHE_DIR, "lock"), os.O_CREAT | os.O_WRONLY)
-            fcntl.flock(self.mine.lock, fcntl.LOCK_EX)
-        elif hasattr(self.mine, "lock"):
-            os.close(self.mine.__dict__.pop("lock"))
+        if event.kind != "numba:compile":
+            if hasattr(self.mine, "lock"):
+                self.mine.__dict__.pop("lock").release()
+        elif not hasattr(self.mine, "lock"):  # else this thread would wait for itself
+            from filelock import FileLock  # takes 30 ms, which a start that compiles nothing does not need
+
+            self.mine.lock = FileLock(Path(numba.config.CACHE_DIR, "lock"), timeout=self.patience)
+            try:
+                self.mine.lock.acquire()
+            except OSError as error:  # the process that adds has been stopped, say, or is another user's
+                if self.patience:
+                    logging.getLogger("lsvib").warning("What is compiled is not kept for the next start: %s", error)
+                self.patience = 0.0
+                event.data["dispatcher"]._cache.disable()
 
 
 def source_digest() -> str:
@@ -104,15 +114,14 @@ def source_digest() -> str:
 def cache_folder() -> Path | None:
     """Return the folder of the cache, made if need be; None if it cannot be written."""
     with suppress(OSError, RuntimeError):  # also of a user without a home
-        home = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-        folder = Path(os.environ.get("NUMBA_CACHE_DIR") or Path(home) / "lsvib" / source_digest())
+        folder = Path(os.environ.get("NUMBA_CACHE_DIR") or user_cache_path("lsvib", False, source_digest()))
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
             return folder
     return None
 
 
-_folder, notice, _writer = cache_folder(), Notice(), OneWriter()
+_folder, notice, writer = cache_folder(), Notice(), OneWriter()
 if _folder is None:
     warnings.warn(
         "The folder for the compiled engine cannot be written, so it is compiled in memory, in every process anew, "
@@ -122,7 +131,7 @@ if _folder is None:
     )
 else:
     numba.config.CACHE_DIR = str(_folder)
-    for kind, listener in (("numba:compile", notice), ("numba:compile", _writer), ("numba:compiler_lock", _writer)):
+    for kind, listener in (("numba:compile", notice), ("numba:compile", writer), ("numba:compiler_lock", writer)):
         event.register(kind, listener)
 
 OPTIONS: dict[str, Any] = {
