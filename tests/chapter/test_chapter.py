@@ -62,14 +62,8 @@ def test_printed_inputs_are_those_that_are_used(entry):
         assert value == entry["value"]
 
 
-def test_reasons_name_files_that_exist():
-    for entry in ENTRIES:
-        for name in re.findall(r"(?:docs|tests)/[\w/]+\.(?:md|py)", str(entry)):
-            assert (ROOT / name).exists(), entry
-
-
 def test_the_report_has_the_counts_and_the_corrections():
-    """By number and kind, as README counts them; without the list, as for the figures of accuracy, nothing of them."""
+    """By number and kind, as README and paper count them; without the list, as for the figures of accuracy, nothing."""
     statements = read_statements(FILE)
     pages = [report(form, [], statements) for form in ("md", "rst")]
     assert all(counted(statements) in page for page in pages)
@@ -78,5 +72,10 @@ def test_the_report_has_the_counts_and_the_corrections():
         assert re.search(rf"^{number}\. .*\. {kind.capitalize()}: {re.escape(right)}\.$", pages[0], re.MULTILINE)
     assert len({kind for kind, _ in pairs}) == 4
     assert not any("correction" in report(form, []) for form in ("md", "rst"))
-    readme = " ".join((ROOT / "README.md").read_text(encoding="utf-8").split())
+    readme, paper = (
+        " ".join((ROOT / page).read_text(encoding="utf-8").split()) for page in ("README.md", "paper/paper.md")
+    )
+    right, all_of_them = len(statements["id"]), sum(map(len, statements.values()))
+    compared = f"Of the {all_of_them} statements found in the chapter it compares {right + len(pairs)} with"
+    assert f"{compared} what is computed. Of these {right} hold and {len(pairs)} need a correction" in paper
     assert f"where one of {len(pairs)} needs a correction ({kinds(statements)})" in readme

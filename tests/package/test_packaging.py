@@ -6,6 +6,7 @@ judges the library stands on nothing of it: references import only each other an
 """
 
 import ast
+import json
 import os
 import re
 import shutil
@@ -20,6 +21,7 @@ import pytest
 import yaml
 from references.drives import GIVEN
 from references.figure_checks import coarse
+from tools.codemeta import codemeta
 
 import lsvib
 from lsvib.chapter.configuration import FIGURES, PARTS, module_of
@@ -28,6 +30,7 @@ ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 LINES = (ROOT / "requirements.txt").read_text(encoding="utf-8").splitlines()
 PINS = dict(line.split("==") for line in LINES if "==" in line)
+FOLDERS = (".ci", "benchmarks", "config", "docs", "examples", "paper", "profiles", "src", "tests", "workflow")
 
 
 def normal(text: str) -> str:
@@ -59,15 +62,24 @@ def test_requirements_lock_what_the_two_commands_need():
 
 def test_the_version_is_in_one_place_and_the_others_agree():
     assert version("lsvib") == lsvib.__version__
-    assert yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))["version"] == lsvib.__version__
-    assert f"## {lsvib.__version__} " in (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+    cited = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
+    assert (cited["version"], cited["license"]) == (lsvib.__version__, PROJECT["license"])
+    heading = re.search(rf"^## {lsvib.__version__} – (.*)$", (ROOT / "CHANGELOG.md").read_text(encoding="utf-8"), re.M)
+    assert heading[1] in ("unreleased", str(cited["date-released"]))
+    assert json.loads((ROOT / "codemeta.json").read_text(encoding="utf-8")) == codemeta()
 
 
-@pytest.mark.parametrize("page", ["CONTRIBUTING.md", "docs/design.md"])
-def test_files_that_a_page_names_are_there(page):
-    text = (ROOT / page).read_text(encoding="utf-8")
-    for path in set(re.findall(r"`((?:src|tests|config|workflow|docs|benchmarks|\.ci)/[\w./]+)`", text)):
-        assert (ROOT / path).exists(), path
+def test_files_that_a_text_names_are_there():
+    """Paths within the repository in all its texts, programs and tables; in pages modules by their names alone, too."""
+    texts = [*ROOT.glob("*.md"), *(path for folder in FOLDERS for path in (ROOT / folder).rglob("*.*"))]
+    texts = [path for path in texts if path.suffix in {".md", ".rst", ".py", ".yaml", ".smk"}]
+    modules = {path.name for path in texts}
+    for text in texts:
+        content = text.read_text(encoding="utf-8")
+        for path in re.findall(rf"(?<![\w/.:-])((?:{'|'.join(map(re.escape, FOLDERS))})/[\w./-]*\w)", content):
+            assert (ROOT / path).exists() or (text.parent / path).exists(), f"{text}: {path}"
+        if text.suffix == ".md":
+            assert set(re.findall(r"`(\w+\.(?:py|smk))`", content)) <= modules, text
 
 
 def python(*arguments: str, folder: Path, path: Path) -> str:
