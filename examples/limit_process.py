@@ -10,20 +10,21 @@ import lsvib
 
 START = {"u": 0.1, "w": 40.0}  # rad, rad/s: no contact force solves the equations, so the rigid screw stops at once
 STIFFNESS = np.geomspace(1e5, 1e10, 11)  # of the contact [N/m]; its damping is as large in SI units [N s/m]
+RELAXED = {**START, "thread_mismatch": 0.0, "mismatch_rate": 0.0}  # the threads carry nothing
 
 rigid = lsvib.Drive(mass=15, axial_force=60)
 exact = rigid.simulate(START, 0.01, samples=4001)
 figure, (plane, force, error) = plt.subplots(1, 3, figsize=(9.6, 3.4), layout="constrained")
-plane.plot(exact.angle_deviation, exact.velocity_deviation, color="black", linewidth=4, alpha=0.3, label="rigid")
+plane.plot(exact.u, exact.w, color="black", linewidth=4, alpha=0.3, label="rigid")
 distances = []
 for index, stiffness in enumerate(STIFFNESS):
     drive = rigid.replace(contact_stiffness=stiffness, contact_damping=stiffness)
-    motion = drive.simulate(START | {"e": 0.0, "v": 0.0}, 0.01, samples=4001)
-    distances.append(float(abs(motion.angle_deviation - exact.angle_deviation).max()))
+    motion = drive.simulate(RELAXED, 0.01, samples=4001)
+    distances.append(float(abs(motion.u - exact.u).max()))
     if index % 2 == 0 and stiffness < 1e10:
         look = {"label": f"{stiffness:.0e} N/m", "color": plt.colormaps["viridis"](index / 9), "linewidth": 1.2}
-        plane.plot(motion.angle_deviation, motion.velocity_deviation, **look)
-        impact = drive.simulate(START | {"e": 0.0, "v": 0.0}, 40 / stiffness**0.85, samples=4001)
+        plane.plot(motion.u, motion.w, **look)
+        impact = drive.simulate(RELAXED, 40 / stiffness**0.85, samples=4001)
         force.loglog(impact.time[1:], abs(impact.normal_force)[1:], **look)
 
 slope = np.polyfit(np.log(STIFFNESS[-5:]), np.log(distances[-5:]), 1)[0]

@@ -25,7 +25,7 @@ def draw(found: xr.Dataset) -> Figure:
     plane, curve = figure.subplots(1, 2)
     attraction.draw_map(plane, found)
     motion = DRIVE.simulate(START, 0.02, samples=4001)
-    plane.plot(motion.angle_deviation, motion.velocity_deviation, color=style.BLUE, label="a motion", linewidth=1)
+    plane.plot(motion.u, motion.w, color=style.BLUE, label="a motion", linewidth=1)
     drawing.draw_cycle(plane, found.isel(cycle=0), name="its limit cycle")
     plane.plot(0, 0, "+", color=style.BLACK)
     plane.axis((*GRID["u"][:2], *GRID["w"][:2]))

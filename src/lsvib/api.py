@@ -150,7 +150,7 @@ class Drive(drive.Drive):
         The tables are made once and shared by equal drives: do not change them. Raises ``InputError``.
 
         >>> lsvib.Drive().automaton().states
-        ('angle_deviation', 'velocity_deviation')
+        ('u', 'w')
         """
         return self._automaton_and_state({"u": 0.0, "w": 0.0}, resume, physics)[0]
 
@@ -181,7 +181,7 @@ class Drive(drive.Drive):
           ``times`` [s]; deviations are still those from steady sliding at ``input_speed``.
         * ``resume`` and ``physics``: as of :meth:`automaton`.
 
-        Returns a dataset over ``time`` [s] with angle_deviation [rad], velocity_deviation [rad/s], the outputs and the
+        Returns a dataset over ``time`` [s] with u [rad], w [rad/s], the outputs and the
         mode, and over ``event`` the time, kind and impulse of each event and the states before and after it. Raises
         ``InputError`` for what is not acceptable, ``EngineError`` where events accumulate or the motion grows without
         bound.
@@ -191,7 +191,7 @@ class Drive(drive.Drive):
         >>> motion.sizes["time"], motion.sizes["event"], motion.normal_force.units
         (1001, 12, 'N')
         >>> stops = drive.simulate("rest", 1.0, command={"times": [0, 0.2, 0.8], "speeds": [0, 40, 0]})
-        >>> float(stops.velocity_deviation[-1]) == -drive.input_speed
+        >>> float(stops.w[-1]) == -drive.input_speed
         True
 
         See also: :func:`lsvib.simulate`, of a scene in a file; :meth:`steady_state`, what the motion ends on.

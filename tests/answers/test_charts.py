@@ -246,7 +246,7 @@ def test_any_parameter_can_be_swept():
     ("drive", "start"),
     [
         (threads_drive(mass=1, translation_damping=1000), {}),
-        (threads_drive(mass=11, contact_damping=3e7), {"e": 1e-7, "v": 0.01}),
+        (threads_drive(mass=11, contact_damping=3e7), {"thread_mismatch": 1e-7, "mismatch_rate": 0.01}),
         (support_drive(mass=15, friction_coefficient=0.3, support_damping=1e-3), {"screw_shift": 1e-6}),
         (nut_drive(mass=6), {}),
     ],

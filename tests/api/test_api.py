@@ -53,6 +53,16 @@ def test_every_public_name_is_there():
         _ = lsvib.LeadDrive
 
 
+@pytest.mark.parametrize("kind", DRIVES)
+def test_a_coordinate_has_one_name_in_starts_and_motions(kind):
+    drive = DRIVES[kind](mass=9.0, contact_damping=1e4) if kind == "threads" else DRIVES[kind]()
+    start = {name: 1e-6 * place for place, name in enumerate(drive.automaton().states, 1)}
+    motion = drive.simulate(start, 1e-9, samples=2)
+    assert {name: float(motion[name][0]) for name in start} == pytest.approx(start)
+    assert [*start][:2] == ["u", "w"]
+    assert (motion.u.attrs["symbol"], motion.w.attrs["units"]) == ("$u$", "rad s-1")
+
+
 def test_results_say_their_units():
     for kind in (lsvib.StabilityReport, lsvib.Threshold, lsvib.Quantity, lsvib.Condition):
         assert kind.__dataclass_params__.frozen
@@ -190,7 +200,7 @@ def test_a_chart_over_the_contact_is_that_of_compliant_threads():
 
 
 def test_a_sweep_says_the_parts_that_it_varies():
-    found = lsvib.Drive().sweep(start={"u": 0.0, "w": 1.0, "e": 0.0}, contact_stiffness=[1e6, 1e7])
+    found = lsvib.Drive().sweep(start={"u": 0.0, "w": 1.0, "thread_mismatch": 0.0}, contact_stiffness=[1e6, 1e7])
     assert found.attrs["parts"] == "threads"
     assert json.loads(found.attrs["parameters"])["contact_damping"] == 0.0
 

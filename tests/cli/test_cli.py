@@ -71,7 +71,7 @@ def test_simulate(run, tmp_path):
         assert float(data.mass) == 11.0 == json.loads(data.attrs["parameters"])["mass"]
         assert "coupling_deflection" in data
         np.testing.assert_array_equal(data["event_time"], motion.time)
-        np.testing.assert_array_equal(data["angle_deviation"], motion.at(np.linspace(0, 0.1, 21))[0][:, 0])
+        np.testing.assert_array_equal(data["u"], motion.at(np.linspace(0, 0.1, 21))[0][:, 0])
         assert counted(own.event_kind) == summary["events"]
     assert sorted(path.name for path in tmp_path.iterdir()) == ["m.nc"]
 

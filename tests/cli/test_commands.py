@@ -132,11 +132,11 @@ def test_a_map_its_file_and_picture_are_those_of_the_drive(run):
     window, more = {"u": (-0.1, 0.1, 40), "w": (-80.0, 80.0, 30)}, ["time", "seizures", "first_event"]
     found = PARADOX.attraction(window, quantities=more, progress=lambda *numbers: rows.append(numbers))
     with xr.open_dataset("map.nc") as written:
-        assert written.label.dims == ("velocity_deviation", "angle_deviation")
-        assert written.angle_deviation.values[0] == -0.1 + 0.5 * 0.2 / 40
+        assert written.label.dims == ("w", "u")
+        assert written.u.values[0] == -0.1 + 0.5 * 0.2 / 40
         assert (written.label == 0).mean().item() == result["fractions"]["steady_sliding"]
         assert written.fraction.sel(attractor=2).item() == result["fractions"]["sprag_slip_cycle"]
-        assert {"cycle_angle", "contact_line_angle", "friction_coefficient"} <= set(written)
+        assert {"cycle_u", "contact_line_angle", "friction_coefficient"} <= set(written)
         assert np.isfinite(written.settling_time).all()
         assert found.drop_attrs().identical(written.load().drop_attrs())
     assert rows[-1] == (30, 30)

@@ -121,8 +121,8 @@ SPOILED = [  # kind, what is done to it, and what the sentence says, or nothing 
     ("plane", lambda x: x.expand_dims(support_damping=[1e-3, 2e-3]), "cannot be drawn; motions, sweeps"),
     ("branch", lambda x: x.assign_attrs(changes="{"), "Expecting property name"),
     ("chart", lambda x: (x["behaviour"].attrs.pop("flag_meanings"), x)[1], "flag_meanings is missing"),
-    ("map", lambda x: x.isel(angle_deviation=slice(0, 0)), "not as lsvib makes it, so it cannot be drawn"),
-    ("map", lambda x: x.rename(angle_deviation="thread_mismatch"), "only maps of u and w can be drawn"),
+    ("map", lambda x: x.isel(u=slice(0, 0)), "not as lsvib makes it, so it cannot be drawn"),
+    ("map", lambda x: x.rename(u="thread_mismatch"), "only maps of u and w can be drawn"),
 ]  # fmt: skip
 
 
@@ -167,8 +167,8 @@ def test_a_motion_shows_speed_command_rest_and_seizures():
     np.testing.assert_allclose(command.get_ydata(), np.interp(command.get_xdata(), [0, 0.05], [40, 30]))
     assert len(lines["seizure"].get_xdata()) == int((motion.event_normal_impulse != 0).sum()) > 0
     (drawn,) = (line.get_ydata() for line in speed.get_lines() if line.get_label().startswith("_"))
-    ends = [motion[f"event_velocity_deviation_{when}"][motion.event_time > 0] for when in ("before", "after")]
-    assert sorted(drawn) == sorted(np.concatenate([motion.velocity_deviation, *ends]) + 40)
+    ends = [motion[f"event_w_{when}"][motion.event_time > 0] for when in ("before", "after")]
+    assert sorted(drawn) == sorted(np.concatenate([motion.w, *ends]) + 40)
     (*_, last) = lsvib.draw(DRIVE.simulate({"u": 0.1, "w": 0.0}, 0.05, samples=20)).axes
     assert "samples between events, so that peaks are cut" in last.get_xlabel()
 

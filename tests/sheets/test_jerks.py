@@ -37,7 +37,7 @@ def record(folder, drive, rpm, interval=0.03, averaging=0.01, count=700):
     own = drive.replace(input_speed=rpm * RPM)
     fine = 10
     motion = own.simulate("rest", interval * count, samples=round(interval / averaging) * fine * count + 1)
-    speed = own.input_speed + motion.velocity_deviation.values
+    speed = own.input_speed + motion.w.values
     motor = motion.coupling_torque.values - own.support_damping * speed  # k (Ω t − θ) + c (Ω − θ′) but for a constant
     kept = slice(round(0.1 * count), count)
     rows = []

@@ -179,7 +179,7 @@ def test_rest_is_a_start_everywhere():
     """Scene, methods, sweep and command follow the same motion."""
     assert JERKING.steady_state("rest").label == Attractor.STICK_SLIP_CYCLE
     motion = JERKING.simulate("rest", 2.0)
-    assert motion.velocity_deviation[0] == -JERKING.input_speed
+    assert motion.w[0] == -JERKING.input_speed
     assert motion.coupling_torque[0] == pytest.approx(0, abs=1e-15)
     speeds = np.array([0.99, 1.01]) * JERKING.threshold("even_speed").value
     swept = JERKING.sweep(start="rest", input_speed=speeds)

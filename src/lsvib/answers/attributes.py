@@ -148,6 +148,6 @@ def start_state(start: Mapping[str, float], words: str) -> Variables:
     """Return the state that motions start from, u [rad] and w [rad/s]; ``words`` say which motions."""
     u, w, rate = float(start["u"]), float(start["w"]), "rate of the deviation at the start"
     return {
-        "initial_angle_deviation": variable((), u, "rad", "deviation at the start", "$u$", comment=words),
-        "initial_velocity_deviation": variable((), w, "rad s-1", rate, r"$\dot u$", comment=words),
+        "initial_u": variable((), u, "rad", "deviation at the start", "$u$", comment=words),
+        "initial_w": variable((), w, "rad s-1", rate, r"$\dot u$", comment=words),
     }

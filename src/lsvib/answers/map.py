@@ -14,7 +14,7 @@ from lsvib.answers import phase_plane
 from lsvib.answers.io import read_dataset, rows_of, write_dataset
 from lsvib.drives.automata import automaton_of
 from lsvib.drives.drive import Drive
-from lsvib.drives.model import coordinates, model_of
+from lsvib.drives.model import model_of
 from lsvib.drives.names import Event
 from lsvib.dynamics.boundary import known_basin
 from lsvib.dynamics.curves import Window
@@ -54,7 +54,7 @@ def map_attraction(
 ) -> xr.Dataset:
     """Map the region of attraction of a drive as ``drive.attraction(…)``."""
     at_once = numbers.workers(workers)
-    starts = grid if isinstance(grid, Grid) else Grid.of(grid, model_of(drive).keys)
+    starts = grid if isinstance(grid, Grid) else Grid.of(grid, model_of(drive).states)
     if (total := starts.x.count * starts.y.count) > MOST_CELLS:
         raise InputError(
             f"grid has {total} cells; the allowed range is up to {MOST_CELLS}, or the tiles of the workflow."
@@ -74,7 +74,7 @@ def grids_of(drives: Sequence[Drive], angle: Mapping[str, Any], velocity: Mappin
     """
     grid = Grid(Axis("u", **angle), Axis("w", **velocity))
     labels = [mapper(drive).cells(grid, quantities=("label",))["label"].T for drive in drives]
-    plane = ("case", "grid_angle_deviation", "grid_velocity_deviation")
+    plane = ("case", "grid_u", "grid_w")
     return xr.Dataset(
         {"grid_attractor": phase_plane.attractors(plane, labels)},
         coords=phase_plane.grid_axes(grid.x.centres(), grid.y.centres()) | cf.drive_parameters(drives),
@@ -118,7 +118,7 @@ def frame(drive: Drive, grid: Grid) -> xr.Dataset:
 
 def _dimensions(grid: Grid) -> tuple[str, str]:
     """Names of the dimensions of a map, rows first."""
-    return coordinates()[grid.y.coordinate], coordinates()[grid.x.coordinate]
+    return grid.y.coordinate, grid.x.coordinate
 
 
 def cells(grid: Grid, found: Mapping[str, np.ndarray]) -> dict[str, cf.Variable]:
@@ -214,4 +214,4 @@ def gather_map(
 
 def _of(settings: Mapping[str, Any]) -> tuple[Drive, Grid]:
     drive = Drive.of(settings["drive"])
-    return drive, Grid.of(settings["grid"], model_of(drive).keys)
+    return drive, Grid.of(settings["grid"], model_of(drive).states)

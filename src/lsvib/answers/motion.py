@@ -24,7 +24,7 @@ from lsvib.systems.motion import Budget, Motion, follow
 
 _COMMANDED = (
     "Angles of screw and motor are those from the commanded motion, speeds are less the constant input_speed, not less "
-    "the commanded speed, so velocity_deviation is not the rate of angle_deviation."
+    "the commanded speed, so w is not the rate of u."
 )
 
 
@@ -159,7 +159,7 @@ class Simulation:
         """
         motion, definition, steady = self.motion, self.scene.definition, self.attractor
         counts = np.bincount(motion.kind, minlength=len(definition.events))
-        final = dict(zip((*definition.required, *definition.optional), (motion.end_state + 0.0).tolist(), strict=False))
+        final = dict(zip(definition.states, (motion.end_state + 0.0).tolist(), strict=False))
         result = {
             "parts": list(self.scene.drive.parts),
             "duration": self.scene.duration,

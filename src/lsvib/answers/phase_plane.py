@@ -39,7 +39,7 @@ _WHICH_CYCLE = "one period of what the first start reaches by the first rule, mi
 
 def grid_axes(angle: np.ndarray, velocity: np.ndarray) -> cf.Variables:
     """Return the axes of a grid of states: u [rad] and u′ [rad/s]."""
-    u, w, words = "grid_angle_deviation", "grid_velocity_deviation", "deviation, of the grid"
+    u, w, words = "grid_u", "grid_w", "deviation, of the grid"
     rate = cf.variable(w, velocity, "rad s-1", f"rate of the {words}", r"$\dot u$")
     return {u: cf.variable(u, angle, "rad", words, "$u$"), w: rate}
 
@@ -48,8 +48,8 @@ def curve(name: str, dims: cf.Dims, points: np.ndarray, where: str, **more: str)
     """Return points of the phase plane (..., 2), u [rad] and u′ [rad/s], as two variables; ``where`` they lie."""
     rate = f"rate of the deviation {where}"
     return {
-        f"{name}_angle": cf.variable(dims, points[..., 0], "rad", f"deviation {where}", "$u$", **more),
-        f"{name}_velocity": cf.variable(dims, points[..., 1], "rad s-1", rate, r"$\dot u$", **more),
+        f"{name}_u": cf.variable(dims, points[..., 0], "rad", f"deviation {where}", "$u$", **more),
+        f"{name}_w": cf.variable(dims, points[..., 1], "rad s-1", rate, r"$\dot u$", **more),
     }
 
 

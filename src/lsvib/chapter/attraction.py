@@ -31,9 +31,8 @@ class Settings(FigureSettings):
     grid: dict[_Name, Coordinate] = Field(
         min_length=2,
         description="The two coordinates that the map spans, as cells of equal width (of these two the one that is "
-        "listed first below is horizontal); other coordinates of the state as numbers. All drives have u and w, those "
-        "with compliant threads also e and v, with an axial support screw_shift and shift_rate, with a nut that may "
-        "turn nut_angle and nut_rate.",
+        "listed first below is horizontal); other coordinates of the state as numbers. All drives have u and w, parts "
+        f"bring {', '.join(coordinates()[2:])}.",
     )
     quantities: Quantities
     tiles: int = Field(ge=1, le=100_000, description="Number of tiles; at least one cell in each.")

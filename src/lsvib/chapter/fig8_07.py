@@ -42,7 +42,7 @@ def build(settings: Values) -> xr.Dataset:
     drive = Drive.of(settings["drive"])
     angle, velocity = spans.even(settings["angle"]), spans.even(settings["velocity"])
     kinds = existence(drive, *np.meshgrid(angle, velocity, indexing="ij"))
-    plane, xi = ("grid_angle_deviation", "grid_velocity_deviation"), coefficients(drive).xi
+    plane, xi = ("grid_u", "grid_w"), coefficients(drive).xi
     equilibrium = drive.pitch_radius * float(xi[1] - xi[-1]) * drive.axial_force / drive.coupling_stiffness
     rests = np.empty((len(settings["starts"]), len(RULES)))
     for k, (start, rule) in enumerate(product(settings["starts"], RULES)):
@@ -70,13 +70,13 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     Also the signs of N by (8.3) where there is no solution, and the slip under law − as far as it goes.
     """
     p, stop = dataset.isel(case=0), float(dataset.stop_velocity[0])
-    sense = np.sign(p.input_speed + p.grid_velocity_deviation)
-    beyond = np.sign(_beyond_line(dataset, dataset.grid_angle_deviation, dataset.grid_velocity_deviation)).values
-    signed = beyond * np.sign(dataset.grid_velocity_deviation - stop).values
+    sense = np.sign(p.input_speed + p.grid_w)
+    beyond = np.sign(_beyond_line(dataset, dataset.grid_u, dataset.grid_w)).values
+    signed = beyond * np.sign(dataset.grid_w - stop).values
     none, two, edge = (named(dataset.existence, word) for word in ("inconsistent", "indeterminate", "boundary"))
     regular = ~edge & (signed != 0)
     wrong = int(np.sum(~np.where(signed > 0, none, two) & regular))
-    u, w = dataset.angle_deviation.values[0, :, 0], dataset.velocity_deviation.values[0, :, 0]
+    u, w = dataset.u.values[0, :, 0], dataset.w.values[0, :, 0]
     signs = np.sign(w - stop)
     inconsistent, first = np.sign(_beyond_line(dataset, u, w)) == signs, p.isel(event=0)
     seized = named(first.event_kind, "seizure") & (first.event_time.values == 0)
@@ -87,11 +87,11 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     virtual = float(_beyond_line(dataset, float(dataset.equilibrium_angle), 0.0))
     exists = wrong == 0 and none.any() and two.any() and regular.mean() > 0.9
     lead = p.pitch_radius * np.tan(p.lead_angle) * p.mass
-    q = lead * (p.coupling_stiffness * p.grid_angle_deviation + p.support_damping * p.grid_velocity_deviation)
+    q = lead * (p.coupling_stiffness * p.grid_u + p.support_damping * p.grid_w)
     q = (q + printed_laws.inertia(p, 1) * p.axial_force) * sense  # c_x = 0, s_0 = +1
     forces = [(np.sign(q / printed_laws.inertia(p, s) / printed_laws.lever(p, s)) * s).values for s in (1, -1)]
-    law, offset = printed_laws.laws(p), p.angle_deviation - p.equilibrium_angle
-    energy = printed_laws.inertia(p, -1) * p.velocity_deviation**2 + p.coupling_stiffness * offset**2
+    law, offset = printed_laws.laws(p), p.u - p.equilibrium_angle
+    energy = printed_laws.inertia(p, -1) * p.w**2 + p.coupling_stiffness * offset**2
     within = (law < 0) & (law.shift(sample=1) < 0) & (p.time > p.time.shift(sample=1))
     falls = (energy < energy.shift(sample=1)).values[within.values]
     return [
@@ -121,9 +121,9 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     case = dataset.isel(case=0)
     # Of each motion what comes before the end of the first seizure into which it slips, and its jump.
     end = case.event_time.where(named(case.event_kind, "seizure") & (case.event_time > 0), np.inf).min("event")
-    kept = {name: case[name].where(case.time <= end) for name in ("angle_deviation", "velocity_deviation")}
+    kept = {name: case[name].where(case.time <= end) for name in ("u", "w")}
     case = case.assign(kept | {"event_kind": case.event_kind.where(case.event_time <= end, -1)})
-    u, w = dataset.grid_angle_deviation, dataset.grid_velocity_deviation
+    u, w = dataset.grid_u, dataset.grid_w
     colour, hatch, _ = _SECTORS["inconsistent"]
     inside = named(dataset.existence, "inconsistent").T.astype(float)
     drawing.hatched(axes, u, w, inside, hatch, _HATCH, [colour], zorder=0)

@@ -107,8 +107,7 @@ def cycle_motion(dataset: xr.Dataset, prefix: str = "cycle") -> xr.Dataset:
     """Return cycles of :func:`cycle_curves` under the names of motions, with the parameters of their drives."""
     names = [str(name) for name in dataset.variables if str(name).startswith(f"{prefix}_")]
     cycles = dataset[[*names, *(name for name in Drive.model_fields if name in dataset)]]
-    plain = {name: name.removeprefix(f"{prefix}_") for name in (*names, f"{prefix}_sample")}
-    return cycles.rename(plain).rename(angle="angle_deviation", velocity="velocity_deviation")
+    return cycles.rename({name: name.removeprefix(f"{prefix}_") for name in (*names, f"{prefix}_sample")})
 
 
 def _cycle_values(drive: Drive, cycle: SteadyState, rigid: SteadyState) -> tuple[float, float]:
@@ -147,15 +146,15 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     figure = style.new_figure(style.DOUBLE, 3.0)
     panels = figure.subplot_mosaic([["a", "peaks", "c"], ["a", "sliding", "c"]], width_ratios=(1, 1.15, 0.9))
     plane, over, start = panels["a"], panels["c"], dataset.isel(sample=0)
-    plane.plot(dataset.angle_deviation, dataset.velocity_deviation, color=style.SKY, linewidth=0.8, label="motion")
-    plane.plot(dataset.rigid_cycle_angle, dataset.rigid_cycle_velocity, color=style.ORANGE, linewidth=2.6,
+    plane.plot(dataset.u, dataset.w, color=style.SKY, linewidth=0.8, label="motion")
+    plane.plot(dataset.rigid_cycle_u, dataset.rigid_cycle_w, color=style.ORANGE, linewidth=2.6,
                label="cycle of the rigid drive", zorder=2)  # fmt: skip
-    plane.plot(dataset.cycle_angle, dataset.cycle_velocity, color=style.BLUE, linewidth=1.0,
+    plane.plot(dataset.cycle_u, dataset.cycle_w, color=style.BLUE, linewidth=1.0,
                label="cycle with compliant threads", zorder=2.1)  # fmt: skip
-    plane.plot(start.angle_deviation, start.velocity_deviation, "o", color=style.SKY, mfc="white", label="start")
+    plane.plot(start.u, start.w, "o", color=style.SKY, mfc="white", label="start")
     drawing.mark_origin(plane)
     drawing.draw_stop(plane, -float(dataset.input_speed))
-    drawing.arrows(plane, [(dataset.cycle_angle.values, dataset.cycle_velocity.values, style.BLUE)])
+    drawing.arrows(plane, [(dataset.cycle_u.values, dataset.cycle_w.values, style.BLUE)])
     drawing.label_axes(plane, dataset, "(a) phase plane")
     plane.locator_params(axis="x", nbins=5)
     _force(panels["peaks"], panels["sliding"], dataset)

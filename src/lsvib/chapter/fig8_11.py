@@ -38,7 +38,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     amplitude, damping = dataset.amplitude.values, dataset.support_damping.values
     seizes = named(dataset.event_kind, "seizure") & (dataset.event_time > 0)
     slope, offset = dataset.contact_line_slope, dataset.contact_line_angle
-    terms = [dataset.event_angle_deviation_before, -slope * dataset.event_velocity_deviation_before, -offset]
+    terms = [dataset.event_u_before, -slope * dataset.event_w_before, -offset]
     worst = float((abs(sum(terms)) / sum(abs(term) for term in terms)).where(seizes).max())
     impulse = float(dataset.event_normal_impulse.where(seizes).min())
     reversals = int(named(dataset.event_kind, "contact reversal").sum())
@@ -63,7 +63,7 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     for case, colour in zip(cases, colours, strict=False):
         unit = style.unit(case.support_damping.attrs["units"])[1:-1]
         drawing.draw_cycle(axes, case, colour, name=f"$c$ = {style.number(case.support_damping)} {unit}")
-        if "cycle_angle" not in case:  # none vibrates
+        if "cycle_u" not in case:  # none vibrates
             continue
         u, w, seized = drawing.cycle_of(case)
         drawing.mark_seizures(axes, u[:-1][seized], w[:-1][seized], colour)

@@ -109,21 +109,21 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     for one, colour, dashes in zip(contacts, _COLOURS, _DASHES, strict=False):
         stiffness, damping = (style.number(float(one[name])) for name in _CONTACT)
         critical = f"$m_\\mathrm{{cr}}$ = {float(one.critical_mass_with_contact):.2f} kg"
-        time, angle = one.cycle_time.values, one.cycle_angle.values
-        cycles.append((angle, one.cycle_velocity.values, colour))
+        time, angle = one.cycle_time.values, one.cycle_u.values
+        cycles.append((angle, one.cycle_w.values, colour))
         plane.plot(*cycles[-1][:2], color=colour, linestyle=dashes,
                    label=f"$k_c$ = {stiffness} N m⁻¹, $c_c$ = {damping} N s m⁻¹, {critical}")  # fmt: skip
         lowest = np.argmin(angle)
         turned = np.concatenate([time[lowest:] - time[lowest], time[:lowest] + time[-1] - time[lowest]])
         deflection.plot(turned / float(one.period), np.roll(angle, -lowest) + steady, color=colour, linestyle=dashes)
-    plane.plot(dataset.rigid_cycle_angle, dataset.rigid_cycle_velocity, color=style.BLACK, linewidth=0.9,
+    plane.plot(dataset.rigid_cycle_u, dataset.rigid_cycle_w, color=style.BLACK, linewidth=0.9,
                linestyle=(0, (4, 2)), label="rigid drive")  # fmt: skip
     plane.axvline(-steady, color=style.GREEN, linewidth=0.9, linestyle=":", label="$z = 0$")
     plane.locator_params(axis="x", nbins=5)
     drawing.mark_origin(plane)
     plane.margins(0.06)
     drawing.arrows(plane, cycles)
-    labels = style.label(dataset.cycle_angle, "deviation"), style.label(dataset.cycle_velocity, "rate")
+    labels = style.label(dataset.cycle_u, "deviation"), style.label(dataset.cycle_w, "rate")
     style.frame(plane, "(a) phase plane", *labels)
     deflection.axhline(0, color=style.GREEN, linewidth=0.9, linestyle=":")
     words = "Time after the smallest $z$ / period", "Coupling deflection $z$ [rad]"

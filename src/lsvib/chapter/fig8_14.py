@@ -79,7 +79,7 @@ def build(settings: Values, analysis: xr.Dataset, maps: xr.Dataset) -> xr.Datase
     below = "distance of the start below the corner, at standstill"
     planes = phase_plane.portraits(settings, drives, _CHANGED, _PRINTED).assign_coords(
         {
-            **{name: maps[name].variable for name in ("grid_angle_deviation", "grid_velocity_deviation")},
+            **{name: maps[name].variable for name in ("grid_u", "grid_w")},
             "corner_distance": variable("corner_distance", _DISTANCES, "rad", below),
             "global_stability_force": variable(
                 (), threshold, "N", phase_plane.GLOBAL_STABILITY, "$R$", comment="of the last two cases, beyond m_cr"
@@ -100,7 +100,7 @@ def _first_events(drives: Sequence[Drive], maps: xr.Dataset, duration: float) ->
 
     A rest counts as a later event even if it begins at once.
     """
-    places = {f"grid_{name}_deviation": maps[f"grid_{name}_deviation"] for name in ("angle", "velocity")}
+    places = {name: maps[name] for name in ("grid_u", "grid_w")}
     few = maps.isel({name: spans.evenly_chosen(axis.size, 16) for name, axis in places.items()})
     few = few.stack(probe=list(places), create_index=False)
     u, w = (few[name].values for name in places)
@@ -120,7 +120,7 @@ def _first_events(drives: Sequence[Drive], maps: xr.Dataset, duration: float) ->
         "probe_attractor": phase_plane.attractors(dims, few.grid_attractor.transpose(*dims).values),
         "probe_event": (dims, first.astype(np.int8), attributes("1", f"event at once {when}", **about_first)),
         "probe_mode_after": (dims, mode.astype(np.int8), about_mode),
-        "probe_velocity_after": variable(dims, rate, "rad s-1", f"rate of the deviation after that event {when}"),
+        "probe_w_after": variable(dims, rate, "rad s-1", f"rate of the deviation after that event {when}"),
         "probe_later_events": variable(dims, later, "1", f"number of later events and rests {when}"),
     }
 
@@ -237,16 +237,16 @@ def _attractor_check(case: xr.Dataset, id: str, expected: str, reading: str = ""
 
 def _event_checks(heavy: xr.Dataset) -> list[Check]:
     """Check beyond m_cr what Sect. 8.7 says of starts, by the signs of N under law − and of θ′, and of N = 0."""
-    first, u, w = xr.broadcast(heavy.probe_event, heavy.probe_angle, heavy.probe_velocity)
+    first, u, w = xr.broadcast(heavy.probe_event, heavy.probe_u, heavy.probe_w)
     positive = u - heavy.contact_line_slope * w > heavy.contact_line_angle  # Q, and N under law −
     stop = heavy.stop_velocity
     forward = w > stop
-    jumps = first.copy(data=named(first, "seizure")) & (heavy.probe_velocity_after == stop)
+    jumps = first.copy(data=named(first, "seizure")) & (heavy.probe_w_after == stop)
     origin = jumps.copy(data=named(heavy.probe_attractor, "steady sliding"))
     alone, back = ~positive & forward & (heavy.probe_later_events == 0), ~positive & ~forward & (w < stop)
     straight = ((heavy.probe_later_events == 0) & origin).where(back)
     arrivals = heavy.event_kind.copy(data=named(heavy.event_kind, "seizure"))
-    after, of = heavy.event_velocity_deviation_after, "starts"
+    after, of = heavy.event_w_after, "starts"
     forces = zip(straight, heavy.axial_force, strict=True)
     counted = [f"{int(x.sum())} of {int(x.count())} starts at R = {float(r):g} N" for x, r in forces]
     falls = (u - heavy.contact_line_slope * stop < heavy.contact_line_angle).values  # Q < 0 after a stop
@@ -320,7 +320,7 @@ def draw(dataset: xr.Dataset) -> style.Figure:
         note, ours = ("as printed", "") if letter in "ab" else ("$m > m_\\mathrm{cr}$", "ours: ")
         force, mass = style.number(case.axial_force), style.number(case.mass)
         drawing.label_axes(axes, dataset, f"({letter}) {ours}$R$ = {force} N, $m$ = {mass} kg, {note}")
-    edges = np.array([dataset[f"grid_{name}_deviation"].values[[0, -1]] for name in ("angle", "velocity")])
+    edges = np.array([dataset[name].values[[0, -1]] for name in ("grid_u", "grid_w")])
     panels[0].axis(np.ravel(edges))  # all motions begin there
     for axes, case in zip(panels, cases, strict=True):
         drawing.draw_lines(axes, case)
@@ -334,6 +334,6 @@ def _region(axes: style.Axes, case: xr.Dataset) -> None:
     labels, names = case.grid_attractor, flag_names(case.grid_attractor)
     looks = {name: _STARTS.get(name, (style.PURPLE, f"starts that lead to {name}")) for name in names.values()}
     colours = {name: colour for name, (colour, _) in looks.items()}
-    drawing.regions(axes, case.grid_angle_deviation, case.grid_velocity_deviation, labels.T, colours, zorder=0)
+    drawing.regions(axes, case.grid_u, case.grid_w, labels.T, colours, zorder=0)
     for colour, words in (looks[names[flag]] for flag in np.unique(labels).tolist()):
         axes.fill([], [], color=colour, label=words)

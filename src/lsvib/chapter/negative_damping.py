@@ -55,7 +55,7 @@ def _repelling_checks(dataset: xr.Dataset) -> list[Check]:
     The first start lies within the cycle. Radii are the largest |u| in the first and in the last fifth of the time.
     """
     growth, amplitudes = dataset.eigenvalue_real_part[0], dataset.amplitude.values[0].ravel()
-    u, time = np.abs(dataset.angle_deviation.values[0]), dataset.time.values[0]
+    u, time = np.abs(dataset.u.values[0]), dataset.time.values[0]
     fifth = time[:, -1:] / 5
     first, last = np.where(time <= fifth, u, 0).max(axis=1), np.where(time >= 4 * fifth, u, 0).max(axis=1)
     swing, one, one_cycle = spread(amplitudes), amplitudes[0], named(dataset.attractor, "other cycle").all()
@@ -74,11 +74,11 @@ def _half_plane_check(p: xr.Dataset) -> Check:
     """Check in both half planes the law, and Γ u′² + k (u − u*)² about its equilibrium u*, of rate −2 C u′²."""
     law, steady = printed_laws.laws(p), np.sign(printed_laws.net_force(p) * p.input_speed)
     slack = printed_laws.factor(p, steady) - printed_laws.factor(p, law)
-    offset = p.angle_deviation - p.pitch_radius * slack * printed_laws.net_force(p) / p.coupling_stiffness
-    energy = printed_laws.inertia(p, law) * p.velocity_deviation**2 + p.coupling_stiffness * offset**2
+    offset = p.u - p.pitch_radius * slack * printed_laws.net_force(p) / p.coupling_stiffness
+    energy = printed_laws.inertia(p, law) * p.w**2 + p.coupling_stiffness * offset**2
     within = (law == law.shift(sample=1)) & (law != 0)
     change = (energy - energy.shift(sample=1)).where(within)
-    both = p.velocity_deviation**2 + p.velocity_deviation.shift(sample=1) ** 2
+    both = p.w**2 + p.w.shift(sample=1) ** 2
     lost = printed_laws.damping(p, law) * both * (p.time - p.time.shift(sample=1))
     off = [float(abs((change + lost).where(law == s).sum() / lost.where(law == s).sum())) for s in (1, -1)]
     sides = (p.normal_force * law > -1e-9).all()  # θ′ > 0 here

@@ -20,13 +20,13 @@ from lsvib.drives.drive import Drive
 
 TOLERANCE = 1e-10  # of the largest magnitude on the motion; rounding leaves 3e-14 with rigid threads, 3e-12 with others
 _THREADS = ("thread_mismatch", "mismatch_rate")
-_MOTION = ("time", "angle_deviation", "velocity_deviation", "normal_force", "coupling_deflection", *_THREADS)
+_MOTION = ("time", "u", "w", "normal_force", "coupling_deflection", *_THREADS)
 
 
 def residual(motion: xr.Dataset) -> float:
     """Return the worst residual [1] of Newton's laws along one motion, relative to the largest magnitude on it.
 
-    ``motion``: variables along one dimension – ``time``, ``angle_deviation``, ``velocity_deviation``, ``normal_force``,
+    ``motion``: variables along one dimension – ``time``, ``u``, ``w``, ``normal_force``,
     with compliant threads also ``thread_mismatch`` and ``mismatch_rate`` – and the parameters of the drive as scalars.
     Each event has two samples. Compared are: the normal force in each sample, and ``coupling_deflection`` if it is
     there; each state with what the linear equations make, in exponentials of their matrix, of the sample before it; the
@@ -40,8 +40,8 @@ def residual(motion: xr.Dataset) -> float:
     push = p["axial_force"] - lead * p["translation_damping"] * p["input_speed"]  # R less the drag of the nut
     field, *_ = equations(p, 1 if push * p["input_speed"] >= 0 else -1, False)
     steady = -(field[1, 1] * p["input_speed"] + field[1, 2]) / field[1, 0]  # z_0, where θ″ = 0 at the input speed
-    deflection = motion.angle_deviation.values + steady
-    speed, more = motion.velocity_deviation.values + p["input_speed"], [n for n in _THREADS if n in motion]
+    deflection = motion.u.values + steady
+    speed, more = motion.w.values + p["input_speed"], [n for n in _THREADS if n in motion]
     states = np.stack([deflection, speed, *(motion[n].values for n in more), 1 + 0 * time], 1)
     sizes = np.abs(states).max(axis=0)
     sizes[sizes == 0] = 1.0

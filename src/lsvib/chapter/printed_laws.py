@@ -60,7 +60,7 @@ def steady_checks(p: xr.Dataset) -> list[Check]:
 
 def stationary_check(p: xr.Dataset) -> Check:
     """Check that the contact force of the motions, (8.3), is a zero of the right-hand side of (8.7)."""
-    law, tan, rate = laws(p), np.tan(p.lead_angle), p.input_speed + p.velocity_deviation
+    law, tan, rate = laws(p), np.tan(p.lead_angle), p.input_speed + p.w
     torque = -p.coupling_stiffness * p.coupling_deflection - p.support_damping * rate
     push = p.axial_force - p.translation_damping * p.pitch_radius * tan * rate
     terms = [

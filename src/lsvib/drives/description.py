@@ -15,8 +15,8 @@ from lsvib.drives.states import seated
 from lsvib.systems.exact.arithmetic import many_digits
 
 _OWN = {
-    "angle_deviation": ("deviation u of the coupling deflection z = θ − Ω t from steady sliding", "rad"),
-    "velocity_deviation": ("rate w of that deviation; the screw turns at θ′ = Ω + w", "rad s-1"),
+    "u": ("deviation u of the coupling deflection z = θ − Ω t from steady sliding", "rad"),
+    "w": ("rate w of that deviation; the screw turns at θ′ = Ω + w", "rad s-1"),
 }
 
 

@@ -34,26 +34,21 @@ class Model:
 
     ``rigid``: whether they are rigid drives of the chapter, without parts and without friction against the ground.
 
-    A start gives u [rad] and w [rad/s], the keys ``required``, and may give those of ``optional``, one for each of the
-    further coordinates among ``states``; ``keys`` are both. ``modes`` and ``events`` name the codes of datasets.
-    ``terms`` are the parameters that a scene may leave out (then they must be zero), ``options`` the other words that
-    its ``physics`` may hold, ``outputs`` its observables.
+    A start gives the coordinates ``states`` by name: u [rad] and w [rad/s] are needed, the others may be left out.
+    ``modes`` and ``events`` name the codes of datasets. ``terms`` are the parameters that a scene may leave out (then
+    they must be zero), ``options`` the other words that its ``physics`` may hold, ``outputs`` its observables.
 
     ``constraint`` is the equation of the kinematic constraint in words; ``thresholds`` are the names of those that can
     be solved for a parameter (of two states there is no flutter), ``curves`` those of the exact curves in its charts; a
     drive without any has no charts. ``equations`` are the numbers of its equations in the book.
     """
 
-    required = ("u", "w")
     events = Event
 
     def __init__(self, parts: tuple[str, ...], dry: tuple[str, ...]) -> None:
         self.parts, self.dry = parts, dry
         self.rigid, self.compliant = not (parts or dry), "threads" in parts
         self.states = tuple(name for part in ("screw", *parts) for name in COORDINATES[part])
-        short = {"thread_mismatch": "e", "mismatch_rate": "v"}
-        self.optional = tuple(short.get(name, name) for name in self.states[len(self.required) :])
-        self.keys = (*self.required, *self.optional)
         dampers = (PARTS[part][-1] for part in parts)
         self.terms: tuple[str, ...] = ("support_damping", "translation_damping", "axial_force", *dampers, *dry)
         self.options = () if parts else ("rest",)
@@ -76,17 +71,15 @@ class Model:
 
     def from_rest(self, drive: Drive) -> dict[str, float]:
         """Return the start at which the screw stands with the coupling relaxed while the motor begins to turn at Ω."""
-        return dict(zip(self.keys, standing_state(drive).tolist(), strict=True))
+        return dict(zip(self.states, standing_state(drive).tolist(), strict=True))
 
     def initial_state(self, drive: Drive, values: Mapping[str, float]) -> np.ndarray:
         """Return the state of a start, else as in steady sliding; ``InputError`` if a key is missing or not known."""
-        if not set(self.required) <= set(values) <= set(self.keys):
-            optional = f", and may have {' and '.join(self.optional)}" if self.optional else ""
-            raise InputError(
-                f"start has the keys {', '.join(values) or 'none'}; it needs {' and '.join(self.required)}{optional}."
-            )
+        if not {"u", "w"} <= set(values) <= set(self.states):
+            optional = f", and may have {' and '.join(self.states[2:])}" if self.parts else ""
+            raise InputError(f"start has the keys {', '.join(values) or 'none'}; it needs u and w{optional}.")
         state = seated_state(drive, values["u"], values["w"]) if self.compliant else np.zeros(len(self.states))
-        given = [values.get(key) for key in self.keys]
+        given = [values.get(key) for key in self.states]
         return np.array([x if value is None else value for value, x in zip(given, state, strict=True)], dtype=float)
 
 
@@ -97,12 +90,11 @@ def model_of(drive: Drive) -> Model:
     """Return what can be said of a drive by its parts.
 
     >>> model_of(Drive(contact_stiffness=1e8)).states
-    ('angle_deviation', 'velocity_deviation', 'thread_mismatch', 'mismatch_rate')
+    ('u', 'w', 'thread_mismatch', 'mismatch_rate')
     """
     return _of_parts(drive.parts, tuple(name for name in DRY if getattr(drive, name)))
 
 
-def coordinates() -> dict[str, str]:
-    """Return the names that the coordinates of all parts have in automata and datasets, by the keys of a start."""
-    whole = Model(tuple(PARTS), ())
-    return dict(zip(whole.keys, whole.states, strict=True))
+def coordinates() -> tuple[str, ...]:
+    """Return the names of the coordinates of all parts."""
+    return Model(tuple(PARTS), ()).states

@@ -10,15 +10,15 @@ from typing import Literal, get_args
 from lsvib.systems.kernels.layout import ACCUMULATION_KIND, FIRST_MODEL_KIND, GRAZE_KIND
 
 COORDINATES = {  # of each part: the names of its displacement and of the rate of that
-    "screw": ("angle_deviation", "velocity_deviation"),
+    "screw": ("u", "w"),
     "motor": ("motor_angle", "motor_rate"),
     "support": ("screw_shift", "shift_rate"),
     "nut": ("nut_angle", "nut_rate"),
     "threads": ("thread_mismatch", "mismatch_rate"),
 }
 WORDS = {  # long name, unit and symbol of each coordinate, and of the speed that a command gives
-    "angle_deviation": ("deviation of the coupling deflection from steady sliding", "rad", "$u$"),
-    "velocity_deviation": ("rate of the deviation from steady sliding", "rad s-1", r"$\dot u$"),
+    "u": ("deviation of the coupling deflection from steady sliding", "rad", "$u$"),
+    "w": ("rate of the deviation from steady sliding", "rad s-1", r"$\dot u$"),
     "motor_angle": ("angle of the motor from the commanded motion, less that of steady sliding", "rad", r"$\theta_m$"),
     "motor_rate": ("angular speed of the motor less input_speed", "rad s-1", r"$\dot\theta_m$"),
     "screw_shift": ("axial shift of the screw from steady sliding", "m", "$y$"),

@@ -42,7 +42,7 @@ class Powers:
         for part, body in BODIES.items():
             if part in self.drive.parts:
                 (inertia, _, damper), speed = PARTS[part], self.rates[COORDINATES[part][1]]
-                faster = speed - self.rates["velocity_deviation"] if body.on == "screw" else speed
+                faster = speed - self.rates["w"] if body.on == "screw" else speed
                 yield inertia, speed + self.drive.input_speed * self.one if body.on else speed, damper, faster
 
     def motor(self, mode: int) -> np.ndarray:
@@ -62,7 +62,7 @@ class Powers:
         """Return the power [W] that all dampers take out; e′ cos λ compresses that of the contact."""
         dampers = [(getattr(self.drive, damper), speed) for _, _, damper, speed in self.bodies()]
         if self.drive.coupling_damping:
-            dampers.append((self.drive.coupling_damping, self.rates["velocity_deviation"] - self.rates["motor_rate"]))
+            dampers.append((self.drive.coupling_damping, self.rates["w"] - self.rates["motor_rate"]))
         if self.parting.any():
             dampers.append((self.drive.contact_damping * self.cosine**2, self.parting))
         return np.asarray(sum(damping * product(speed, speed) for damping, speed in dampers))

@@ -66,8 +66,8 @@ def balances(p: Mapping[str, Any], states: Sequence[str]) -> tuple[np.ndarray, n
     Arguments: parameters by name, numbers or arrays (k) in SI units; the names of the coordinates (n).
     """
     lead = p["mass"] * p["pitch_radius"] * np.tan(p["lead_angle"])
-    axial = {"velocity_deviation": lead, "shift_rate": p["mass"], "nut_rate": -lead}
-    torque = {"velocity_deviation": p["screw_inertia"]}
+    axial = {"w": lead, "shift_rate": p["mass"], "nut_rate": -lead}
+    torque = {"w": p["screw_inertia"]}
     rows = ([shares.get(name, 0.0 * lead) for name in states] for shares in (axial, torque))
     first, second = (np.stack(np.broadcast_arrays(*row), axis=-1) for row in rows)
     return first, second

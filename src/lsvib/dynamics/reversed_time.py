@@ -56,7 +56,7 @@ def backward_automaton(drive: Drive, touch: arb | None = None) -> Automaton:
         # Any motion that grows would do: nothing comes back from there.
         modes["beginning"] = Mode(BEGINNING, PlanarMode.of(1, -1, 1, 0), ())
     return assemble(
-        states=("angle_deviation", "reversed_velocity_deviation"),
+        states=("u", "reversed_w"),
         surfaces=surfaces,
         modes=modes,
         transitions=transitions,

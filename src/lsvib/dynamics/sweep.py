@@ -143,7 +143,7 @@ def _states_of(group: Group, drives: ManyDrives, starts: Starts | None) -> np.nd
         return np.array(group.standing)
     model, states = model_of(drives.one(int(group.members[0]))), np.array(group.seated)
     for name, value in starts.items():
-        place = (*model.required, *model.optional).index(name)
+        place = model.states.index(name)
         states[:, place] = np.broadcast_to(value, (drives.size,))[group.members]
     return states
 

@@ -19,7 +19,6 @@ from lsvib.errors import InputError
 from lsvib.numbers import shown
 from lsvib.pictures import attraction, chart, drawing, style
 
-_STATE = "velocity_deviation"  # which every motion has
 _CAN = "motions, sweeps of one or two parameters, cycles, branches, basins, and maps of u and w can"
 _NUMBERS = "bfiu"  # kinds of types
 _HEIGHT, _EDGE = 1.3, 0.6  # of a panel over time, and of what is around all of them [inch]
@@ -71,7 +70,7 @@ def _dataset(answer: Any) -> xr.Dataset:
         return (branch_dataset if isinstance(answer.points[0].cycle, Cycle) else answers.branch_dataset)(answer)
     if isinstance(answer, answers.Ends) and answer.cycles:
         return answers.orbits(answer)
-    steady = {name: ((), 0.0, quantity(name)) for name in ("angle_deviation", "velocity_deviation")}
+    steady = {name: ((), 0.0, quantity(name)) for name in ("u", "w")}
     if isinstance(answer, Basin) and answer.curves:
         return xr.Dataset(steady | curve("boundary", "boundary_point", answer.line(), "on the exact boundary"))
     if isinstance(answer, Cycles) and answer.cycles:
@@ -97,7 +96,8 @@ def _drawn(dataset: xr.Dataset, kind: str | None) -> style.Figure:
 
 
 def _picture(dataset: xr.Dataset, kind: str | None) -> style.Figure:
-    motion = "event_kind" in dataset and _STATE in dataset and dataset[_STATE].dims == ("time",)
+    own = "system" in dataset.attrs  # one's own
+    motion = not own and "event_kind" in dataset and "w" in dataset and dataset.w.dims == ("time",)
     kinds = {"phase_plane": _phase_plane, "friction_loop": _friction_loop}  # of a motion, besides that over time
     if kind is not None and not (motion and kind in kinds):
         raise InputError(f"{shown(kind)} cannot be drawn of this; of a motion {' and '.join(kinds)} can.")
@@ -105,10 +105,9 @@ def _picture(dataset: xr.Dataset, kind: str | None) -> style.Figure:
         return kinds.get(kind or "", _motion)(dataset)
     if "attracting" in dataset and "changes" in dataset.attrs:
         return _branch(dataset)
-    own = "system" in dataset.attrs  # one's own
     if own and "label" not in dataset:
         return _states(dataset)
-    if not own and {"label", "cycle_angle", "boundary_angle"} & set(dataset):
+    if not own and {"label", "cycle_u", "boundary_u"} & set(dataset):
         return attraction.draw(dataset)
     swept = tuple(x for x in (dataset["label"].dims if own else dataset.dims) if own or x in Drive.model_fields)
     numbers = [name for name, x in dataset.data_vars.items() if x.dims == swept and x.dtype.kind in _NUMBERS]
@@ -123,10 +122,10 @@ def _motion(dataset: xr.Dataset) -> style.Figure:
     seized = dataset.event_time.values[named(dataset.event_kind, "seizure")]
     dataset = drawing.with_events(dataset, begin=False)
     time, rests = dataset.time, drawing.rests(dataset["mode"])
-    speed = dataset["screw_speed"] if "screw_speed" in dataset else (dataset[_STATE] + turning).assign_attrs(
+    speed = dataset["screw_speed"] if "screw_speed" in dataset else (dataset.w + turning).assign_attrs(
         long_name="angular speed of the screw", symbol=r"$\dot\theta$", units="rad s-1"
     )  # fmt: skip
-    left_out = {"screw_speed", "commanded_speed", "mode", "time", _STATE}
+    left_out = {"screw_speed", "commanded_speed", "mode", "time", "w"}
     others = [x for name, x in dataset.data_vars.items() if x.dims == time.dims and name not in left_out]
     figure, panels = _column(time, [speed, *others])
     command = dataset["commanded_speed"] if "commanded_speed" in dataset else xr.full_like(time, turning)

@@ -24,13 +24,13 @@ def draw(dataset: xr.Dataset) -> style.Figure:
 
     Raises ``InputError`` for a map of other coordinates.
     """
-    if "label" in dataset and not {"angle_deviation", "velocity_deviation"} <= set(dataset.label.dims):
+    if "label" in dataset and not {"u", "w"} <= set(dataset.label.dims):
         raise InputError("only maps of u and w can be drawn.")
     figure = style.new_figure(style.DOUBLE, 3.8)
     axes = figure.add_subplot()
     first = draw_map(axes, dataset) if "label" in dataset else ()
-    if "boundary_angle" in dataset:
-        boundary = dataset.boundary_angle, dataset.boundary_velocity
+    if "boundary_u" in dataset:
+        boundary = dataset.boundary_u, dataset.boundary_w
         axes.plot(*boundary, color=style.BLACK, linewidth=0.9, label="exact boundary")
     for index in range(dataset.sizes.get("cycle", 0)):
         one = dataset.isel(cycle=index)
@@ -51,7 +51,7 @@ def draw_map(axes: style.Axes, dataset: xr.Dataset) -> tuple[object, ...]:
     from matplotlib.colors import to_rgb
     from matplotlib.patches import Patch
 
-    label = dataset.label.transpose("velocity_deviation", "angle_deviation")
+    label = dataset.label.transpose("w", "u")
     time = dataset.settling_time.transpose(*label.dims).values if "settling_time" in dataset else None
     image, patches = np.ones((*label.shape, 3)), []
     fractions = dict(zip(dataset.attractor.values.tolist(), dataset.fraction.values.tolist(), strict=True))
@@ -74,6 +74,6 @@ def draw_map(axes: style.Axes, dataset: xr.Dataset) -> tuple[object, ...]:
 
 def _limits(dataset: xr.Dataset) -> tuple[float, float, float, float]:
     """The outer edges of the cells: left, right, bottom, top."""
-    u, w = dataset.angle_deviation, dataset.velocity_deviation
+    u, w = dataset.u, dataset.w
     across, up = (0.5 * float(x.attrs["cell_width"]) for x in (u, w))
     return float(u[0]) - across, float(u[-1]) + across, float(w[0]) - up, float(w[-1]) + up

@@ -40,7 +40,7 @@ def phase_plane(axes: style.Axes, case: xr.Dataset, widths: Sequence[float] = EV
 
 def label_axes(axes: style.Axes, dataset: xr.Dataset, title: str | None = None) -> None:
     """Label both axes with u and its rate, and give the panel a ``title``, if it has none."""
-    deviation, rate = dataset.angle_deviation, dataset.velocity_deviation
+    deviation, rate = dataset.u, dataset.w
     style.frame(axes, title or axes.get_title("left"), style.label(deviation, "deviation"), style.label(rate, "rate"))
 
 
@@ -69,7 +69,7 @@ def draw_motions(axes: style.Axes, case: xr.Dataset, widths: Sequence[float] = E
             still = np.where(still_at, u, np.nan), np.where(still_at, w, np.nan)
             axes.plot(*still, color=style.GREEN, linewidth=3, solid_capstyle="butt", label="rest", zorder=2.5)
         if seized.any():
-            before = [motion[f"event_{name}_deviation_before"].values[seized] for name in ("angle", "velocity")]
+            before = [motion[f"event_{name}_before"].values[seized] for name in ("u", "w")]
             mark_seizures(axes, before[0], before[1], colour)
         axes.plot(u[0], w[0], "o", color=colour, markerfacecolor="white", label="start", zorder=4.5)
 
@@ -105,7 +105,7 @@ def _motions(case: xr.Dataset) -> Iterator[tuple[xr.Dataset, np.ndarray, np.ndar
     """Each motion with u, u′, whether the rate jumps after each sample, and a colour."""
     for index, colour in zip(range(case.sizes["start"]), MOTIONS, strict=False):
         motion = case.isel(start=index)
-        u, w, time = (motion[name].values for name in ("angle_deviation", "velocity_deviation", "time"))
+        u, w, time = (motion[name].values for name in ("u", "w", "time"))
         yield motion, u, w, (np.diff(time) == 0) & (np.diff(w) != 0), colour
 
 
@@ -113,13 +113,13 @@ def draw_cycle(
     axes: style.Axes, case: xr.Dataset, colour: str = style.BLACK, width: float = 1.8, name: str = "limit cycle"
 ) -> None:
     """Draw the limit cycle of one case, if it has one, its jumps dotted."""
-    if "cycle_angle" in case and np.isfinite(case.cycle_angle).any():
+    if "cycle_u" in case and np.isfinite(case.cycle_u).any():
         _broken_line(axes, *cycle_of(case), colour, width, name)
 
 
 def cycle_of(case: xr.Dataset) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return u and u′ of a limit cycle, closed, and for each sample whether the rate jumps before the next."""
-    u, w = (np.append(x, x[0]) for x in (case.cycle_angle.values, case.cycle_velocity.values))
+    u, w = (np.append(x, x[0]) for x in (case.cycle_u.values, case.cycle_w.values))
     return u, w, (np.abs(np.diff(u)) < 1e-9 * np.ptp(u)) & (np.abs(np.diff(w)) > 0.05 * np.ptp(w))
 
 
@@ -194,7 +194,7 @@ def outline(text: Any, pad: float = 1.5) -> Any:
 def draw_arrows(axes: style.Axes, case: xr.Dataset) -> None:
     """Draw an arrow of time on each motion of one case, and on its limit cycle, by :func:`arrows`."""
     lines = [(*parted(u, w, jumps), colour) for _, u, w, jumps, colour in _motions(case)]
-    if "cycle_angle" in case:
+    if "cycle_u" in case:
         lines.append((*parted(*cycle_of(case)), style.BLACK))
     arrows(axes, lines)
 

@@ -135,7 +135,7 @@ def _shown(
         span = 6 * end.period
         ends = np.array([orbit_extremes(orbit, row) for row in np.eye(2, len(automaton.states) + 1)])  # of u, w
         start = {**start, "w": math.copysign(max(abs(start["w"]), 0.3 * np.abs(ends[1]).max()), start["w"])}
-    names, later = (*definition.required, *definition.optional), start
+    names, later = definition.states, start
     for _ in range(64):
         start = later
         motion = follow(automaton, definition.initial_state(drive, start), span)
