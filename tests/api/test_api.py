@@ -53,6 +53,16 @@ def test_every_public_name_is_there():
         _ = lsvib.LeadDrive
 
 
+def test_what_a_drive_shows_is_its_own():
+    """Parameters and what can be asked: nothing of the library that checks them, nor of how the package is built."""
+    drive = lsvib.Drive()
+    own = {name for kind in (lsvib.Drive, api.drive.Drive) for name in vars(kind)} | {*lsvib.Drive.model_fields}
+    assert {name for name in dir(drive) if name[0] != "_"} == {
+        name for name in own if name[0] != "_" and not name.startswith("model_")
+    }
+    assert {name for name in dir(lsvib) if name[0] != "_"} == {*lsvib.__all__}
+
+
 @pytest.mark.parametrize("kind", DRIVES)
 def test_a_coordinate_has_one_name_in_starts_and_motions(kind):
     drive = DRIVES[kind](mass=9.0, contact_damping=1e4) if kind == "threads" else DRIVES[kind]()

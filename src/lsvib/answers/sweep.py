@@ -17,6 +17,7 @@ from lsvib.answers import attributes as cf
 from lsvib.answers.io import write_dataset
 from lsvib.answers.spans import spaced
 from lsvib.answers.tables import on_screen
+from lsvib.drives.complaints import meant
 from lsvib.drives.drive import Drive, require_direction
 from lsvib.drives.many import ManyDrives
 from lsvib.drives.model import model_of
@@ -137,8 +138,7 @@ def write_chart(
 def known_key(name: Any) -> None:
     """Raise ``InputError`` unless drives have a parameter of this name."""
     if not isinstance(name, str) or name not in Drive.model_fields:
-        known = ", ".join(Drive.model_fields)
-        raise InputError(f"{numbers.shown(name)} is not a known key; the known keys are {known}.")
+        raise InputError(f"{numbers.shown(name)} is not a known key; {meant(Drive, name)}.")
 
 
 def product_of(drive: Drive, axes: Mapping[str, Sequence[float]]) -> ManyDrives:

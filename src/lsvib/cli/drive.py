@@ -22,7 +22,7 @@ def config(*, changes: Changes = None, scene: SceneFile = None, as_json: AsJson 
 
         lsvib config --set contact_stiffness=1e8 --set contact_damping=1e8
     """
-    from lsvib.drives.complaints import allowed_range
+    from lsvib.drives.complaints import allowed_range, meant
     from lsvib.drives.drive import Drive, described
     from lsvib.drives.scene import Scene, read_yaml
     from lsvib.numbers import names_and_values
@@ -30,7 +30,7 @@ def config(*, changes: Changes = None, scene: SceneFile = None, as_json: AsJson 
     start = read_yaml(scene) if scene else {}
     for key in start:
         if key not in Scene.model_fields:
-            raise InputError(f"{key} is not a known key; the known keys are {', '.join(Scene.model_fields)}.")
+            raise InputError(f"{key} is not a known key; {meant(Scene, key)}.")
     fields, rows = {}, []
     made = Drive.of(names_and_values("drive", start.get("drive"))).replace(**dict(changes or ()))
     for key, value in made.model_dump().items():

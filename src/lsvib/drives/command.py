@@ -34,7 +34,7 @@ class Command(Checked):
     array([20.,  0.])
     """
 
-    about = "command: "
+    _about = "command: "
 
     times: Values
     speeds: Values

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from difflib import get_close_matches
 from typing import TYPE_CHECKING, Any, ClassVar, get_args
 
 from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, ValidationError
@@ -47,11 +48,11 @@ class Least:
 
 
 class Checked(BaseModel):
-    """Values by known names, immutable; ``about`` begins each sentence about what is wrong with them."""
+    """Values by known names, immutable; ``_about`` begins each sentence about what is wrong with them."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
-    about: ClassVar[str] = ""
+    _about: ClassVar[str] = ""
 
     if not TYPE_CHECKING:  # a type checker reads the names from the fields
 
@@ -60,7 +61,23 @@ class Checked(BaseModel):
             try:
                 super().__init__(**values)
             except ValidationError as error:
-                raise InputError(f"{self.about}{sentence_about(type(self), error)}") from None
+                raise InputError(f"{self._about}{sentence_about(type(self), error)}") from None
+
+    def __dir__(self) -> list[str]:
+        """Return the names of the model's own, without those of pydantic."""
+        return [name for name in super().__dir__() if name[0] == "_" or name not in dir(BaseModel)]
+
+
+def meant(model: type[BaseModel], key: Any, names: Sequence[str] = ()) -> str:
+    """Say which of the fields of a model, or of some ``names``, a wrong key is the symbol of or like, or list all."""
+    names = names or [*model.model_fields]
+    given = str(key).lower().strip("_")  # lambda_ is what Python lets one write
+    for name in names:
+        extra = model.model_fields[name].json_schema_extra
+        if isinstance(extra, dict) and str(extra.get("symbol")).lower() == given:
+            return f"{key} is the symbol of {name}"
+    near = [name for name in names if len(given) > 3 and given in name] or get_close_matches(given, names, 3, 0.75)
+    return f"perhaps {' or '.join(near)} is meant" if near else f"the known keys are {', '.join(names)}"
 
 
 def bounds_of(model: type[BaseModel], key: str) -> dict[str, float]:
@@ -109,9 +126,11 @@ def sentence_about(model: type[BaseModel], error: ValidationError, place: Sequen
     for part in parts[:-1]:
         if part in model.model_fields:
             model = next(_models(model.model_fields[str(part)].annotation), model)
+    last = parts[-1] if parts else ""
     choices = context.get("expected", "").replace("'", "")
     if kind in ("extra_forbidden", "invalid_key") or "[key]" in first["loc"]:
-        return f"{key} is not a known key; the known keys are {choices or ', '.join(model.model_fields)}."
+        known = f"the known keys are {choices}" if choices else meant(model, last)
+        return f"{key} is not a known key; {known}."
     if kind == "missing":
         return f"{key} is missing."
     if kind == "literal_error":
@@ -120,7 +139,6 @@ def sentence_about(model: type[BaseModel], error: ValidationError, place: Sequen
         return f"{key} = {value} is not {_NO_TYPE[kind].format(**context)}."
     if kind == "of_the_whole":
         return f"{key} {first['msg']}."
-    last = parts[-1] if parts else ""
     allowed = allowed_range(model, last) if last in model.model_fields else _in_words("value", context)
     if isinstance(cause, NotNumber):
         return f"{key} = {value} {cause}{'; the allowed range is ' if allowed else ''}{allowed}."

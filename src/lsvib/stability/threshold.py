@@ -16,7 +16,7 @@ from typing import Any
 from flint import arb
 
 from lsvib.drives import friction
-from lsvib.drives.complaints import allowed_range
+from lsvib.drives.complaints import allowed_range, meant
 from lsvib.drives.drive import DRY, Drive, described, require_direction
 from lsvib.drives.model import model_of
 from lsvib.drives.thresholds import TABLE
@@ -73,7 +73,7 @@ def parameter(drive: Drive, name: str, unknown: Any) -> str:
     usual = TABLE[name].usual or ("mass" if drive.parts else "axial_force")
     key = usual if unknown is None else unknown
     if key not in (there := [*drive.model_dump(exclude_none=True)]):
-        raise InputError(f"unknown = {shown(key)} is not a parameter of this drive: {', '.join(there)}.")
+        raise InputError(f"unknown = {shown(key)} is not a parameter of this drive; {meant(Drive, key, there)}.")
     return key
 
 

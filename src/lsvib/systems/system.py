@@ -78,7 +78,7 @@ class System:
         put["events"] = tuple(self._event(f"events[{k}]", own) for k, own in enumerate(_listed("events", events)))
         planes = enumerate(_listed("surfaces", surfaces))
         put["surfaces"] = tuple(self._surface(f"surfaces[{k}]", own) for k, own in planes)
-        put["text"] = f"System({', '.join(f'{key}={value!r}' for key, value in self.keys().items())})"
+        put["_text"] = f"System({', '.join(f'{key}={value!r}' for key, value in self.keys().items())})"
         made(self)
 
     @classmethod
@@ -114,7 +114,7 @@ class System:
         return hash(repr(self))
 
     def __repr__(self) -> str:
-        return str(self.__dict__["text"])
+        return str(self.__dict__["_text"])
 
     def _check_names(self) -> None:
         seen: dict[str, str] = {}
