@@ -102,8 +102,8 @@ def _around(cells: xr.Dataset, drive: Drive, mapper: Mapper, grid: Grid) -> xr.D
 def frame(drive: Drive, grid: Grid) -> xr.Dataset:
     """Return a map without its cells: middles of the cells, and global attributes, ``grid`` among them as JSON."""
     axes: cf.Variables = {
-        name: (name, axis.centres(), {**cf.quantity(name), "cell_width": axis.width})
-        for name, axis in zip(_dimensions(grid), (grid.y, grid.x), strict=True)
+        axis.coordinate: (axis.coordinate, axis.centres(), cf.quantity(axis.coordinate) | {"cell_width": axis.width})
+        for axis in (grid.y, grid.x)
     }
     model, spans = model_of(drive), {axis.coordinate: [axis.start, axis.stop, axis.count] for axis in (grid.x, grid.y)}
     about = {
@@ -114,11 +114,6 @@ def frame(drive: Drive, grid: Grid) -> xr.Dataset:
         "grid": json.dumps({"axes": spans, "fixed": dict(grid.fixed)}),
     }
     return cf.answer({}, axes, cf.about_drive(drive, drive) | about)
-
-
-def _dimensions(grid: Grid) -> tuple[str, str]:
-    """Names of the dimensions of a map, rows first."""
-    return grid.y.coordinate, grid.x.coordinate
 
 
 def cells(grid: Grid, found: Mapping[str, np.ndarray]) -> dict[str, cf.Variable]:
@@ -137,8 +132,8 @@ def cells(grid: Grid, found: Mapping[str, np.ndarray]) -> dict[str, cf.Variable]
     }
     if "time" in found:
         found = {**found, "time": np.where(np.isfinite(found["time"]), found["time"], np.nan)}
-    names = {"time": "settling_time"}
-    return {names.get(name, name): (_dimensions(grid), array, about[name]) for name, array in found.items()}
+    names, dims = {"time": "settling_time"}, (grid.y.coordinate, grid.x.coordinate)
+    return {names.get(name, name): (dims, array, about[name]) for name, array in found.items()}
 
 
 def surroundings(drive: Drive, mapper: Mapper, grid: Grid) -> dict[str, cf.Variable]:
@@ -198,7 +193,7 @@ def map_tile(settings: Mapping[str, Any], item: str, path: File, workers: int = 
     drive, grid = _of(settings)
     rows = rows_of(item, grid.y.count)
     found = mapper(drive).cells(grid, rows, quantities=settings["quantities"], workers=workers)
-    write_dataset(frame(drive, grid).isel({_dimensions(grid)[0]: rows}).assign(cells(grid, found)), path)
+    write_dataset(frame(drive, grid).isel({grid.y.coordinate: rows}).assign(cells(grid, found)), path)
 
 
 def gather_map(
@@ -206,7 +201,7 @@ def gather_map(
 ) -> None:
     """Write the map of ``drive.attraction(…)`` from its tiles; ``settings`` as of a tile, ``about``: attributes."""
     drive, grid = _of(settings)
-    joined = xr.concat([read_dataset(tile) for tile in tiles], _dimensions(grid)[0], data_vars="minimal",
+    joined = xr.concat([read_dataset(tile) for tile in tiles], grid.y.coordinate, data_vars="minimal",
                        coords="minimal", compat="override", join="exact", combine_attrs="override")  # fmt: skip
     del joined.attrs["summary"]  # of a tile
     write_dataset(_around(joined, drive, mapper(drive), grid).assign_attrs(about or {}), path)
