@@ -128,6 +128,19 @@ def test_installed_command_and_help(run):
         assert "Example" in shown
 
 
+def test_the_shell_completes_commands_and_options(run, tmp_path, monkeypatch):
+    """What ``--install-completion`` writes, asked by bash as a press of the tab key asks it, also of a path."""
+    monkeypatch.setenv("HOME", str(tmp_path))
+    assert run("--install-completion", "--shell", "bash")[0] == 0
+    ask = """. ~/.bashrc; function=$(complete -p lsvib | sed "s/.*-F //; s/ .*//")
+    COMP_WORDS=("$@") COMP_CWORD=$(($# - 1)); $function lsvib; echo "${COMPREPLY[@]}" """
+    for words, found in ((("st",), "stability"), (("simulate", "--du"), "--duration"), (("sweep", "--ov"), "--over")):
+        done = subprocess.run(["bash", "-c", ask, "bash", ".venv/bin/lsvib", *words], capture_output=True, text=True)
+        assert (done.stdout, done.stderr) == (f"{found}\n", "")
+    monkeypatch.setenv("HOME", "/proc/none")
+    assert refused(run, "--install-completion", "--shell", "bash").startswith("lsvib: Cannot write to /proc/none")
+
+
 def test_links_are_followed_and_old_results_replaced(run, tmp_path):
     (tmp_path / "x.nc").symlink_to("deep/real.nc")  # of a file that is not there yet, in a folder that is not
     for out in ("x.nc", "x.nc", "deep/real.nc"):

@@ -86,7 +86,7 @@ COMMANDS = [
     # Figures.
     ("figure 8.99", "figure 8.99 is not one of 8.1, 8.2, "),
     ("figure 8.8 --config none.yaml", "none.yaml"),
-    ("figure 8.8 --set mass=9", "does not depend on mass"),
+    ("figure 8.8 --set mass=9", "does not depend on mass of its drive, so --set mass would change nothing; what it "),
     ("figure 8.6 --set mass=2", "mass = 2, none of mass_readings: 1 and 8"),
     ("figure 8.8 --out text", "is not a folder"),
     # Files.

@@ -29,6 +29,7 @@ app = App(
     result_action="return_value",
     suppress_keyboard_interrupt=False,  # an interrupt is said below
 )
+app.register_install_completion_command(help="Let the shell complete commands and options (bash, zsh, fish).")
 
 
 def main() -> None:
@@ -62,9 +63,10 @@ def run(call: Callable[[], object]) -> None:
     except (CycloptsError, LsvibError) as error:
         _fail(str(error))
     except OSError as error:
-        # Files that we open ourselves raise errors of the package; so this is one of the standard streams.
-        _discard(sys.stdout)
-        _fail(f"Cannot write to the standard output: {error.strerror or error}.")
+        # Files that we open ourselves raise errors of the package; this is a file of the shell, or a standard stream.
+        if error.filename is None:
+            _discard(sys.stdout)
+        _fail(f"Cannot write to {error.filename or 'the standard output'}: {error.strerror or error}.")
 
 
 def show(result: Mapping[str, Any], as_json: bool, text: Iterable[str], out: Path | None = None) -> None:

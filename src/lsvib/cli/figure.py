@@ -108,7 +108,8 @@ def _changed_drive(number: str, name: str, section: Mapping[str, Any], changes: 
     for key in changes:
         if key in settings.unused:
             raise InputError(
-                f"figure {number} does not depend on {key} of its drive, so --set {key} would change nothing."
+                f"figure {number} does not depend on {key} of its drive, so --set {key} would change nothing; what it "
+                "varies itself stands in its section of the settings, see --config."
             )
     given = section.get("drive", {})
     Drive.of(changed(given, changes))  # refuses a key or a value with the words of the other commands
