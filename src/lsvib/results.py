@@ -1,5 +1,6 @@
 """What a drive answers in numbers: small values that cannot change. Everything else that it answers is a dataset."""
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any
@@ -59,7 +60,8 @@ class StabilityReport:
         verdict = "stable" if self.stable else "neutral" if neutral else "unstable"
         yield f"steady sliding is {verdict}{'' if kind == verdict else f' ({kind})'}"
         for value in self.eigenvalues:
-            yield f"  eigenvalue {value.real:.10g}{f' {value.imag:+.10g}i' if value.imag else ''} 1/s"
+            pitch = f", {abs(value.imag) / math.tau:.6g} Hz" if value.imag else ""
+            yield f"  eigenvalue {value.real:.10g}{f' {value.imag:+.10g}i' if value.imag else ''} 1/s{pitch}"
         for key, found in self.quantities.items():
             yield f"  {key}: {words.quantity(found.value, found.unit)}"
         for key, condition in self.conditions.items():

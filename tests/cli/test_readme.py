@@ -1,5 +1,6 @@
 """The examples of the README and of the page of the commands run as they stand: the shell, the scene, the Python."""
 
+import math
 import re
 import shutil
 import subprocess
@@ -65,6 +66,14 @@ def test_the_scene_is_the_command_with_other_outputs(shell, tmp_path):
     assert {*yaml.safe_load(SCENE)["outputs"]} <= set(scene.data_vars)
     for name in ("u", "w", "event_time"):
         assert (scene[name].values == motion[name].values).all()
+
+
+def test_the_frequency_of_a_noise_is_that_of_an_eigenvalue(shell):
+    """The line of the recipe, whose text says 600 Hz."""
+    text = (ROOT / "docs" / "recipes.md").read_text(encoding="utf-8")
+    (line,) = re.findall(r"`(lsvib stability [^`]*)`", text)
+    rate, hertz = re.search(r"\+([\d.]+)i 1/s, ([\d.]+) Hz", shell(line)).groups()
+    assert float(hertz) == pytest.approx(float(rate) / (2 * math.pi), rel=1e-5) == pytest.approx(600, rel=1e-3)
 
 
 def test_python(tmp_path):

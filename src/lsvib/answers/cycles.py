@@ -68,7 +68,7 @@ class Cycles:
             multipliers = ", ".join(map(_multiplier, cycle["multipliers"]))
             motor, load, *losses = (f"{key} {work[key]:.6g} J" for key in _WORKS)
             rows = [
-                ("period", f"{cycle['period']:.12g} s"),
+                ("period", f"{cycle['period']:.12g} s, {1 / cycle['period']:.6g} Hz"),
                 ("amplitude", f"{cycle['amplitude']:.12g} rad"),
                 ("multipliers", multipliers if error is None else f"{multipliers} (± {error:.1g})"),
                 ("residual", f"{cycle['residual']:.1g}"),
