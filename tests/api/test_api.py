@@ -186,6 +186,7 @@ ANSWERS = {
     "Motion": lambda: follow(automaton_of(PARADOX), FAR, 1.0),
     "SteadyState": lambda: steady_state(automaton_of(PARADOX), FAR),
     "Cycle": lambda: PARADOX.cycles().cycles[0],
+    "CycleBranch": lambda: PARADOX.follow(PARADOX.cycles().cycles[0], "mass", (10.99, 11.01)),
     "Basin": lambda: basin(PARADOX),
 }
 

@@ -2,6 +2,7 @@
 
 import doctest
 import importlib.util
+import json
 import math
 import os
 import re
@@ -23,11 +24,33 @@ PAGES = sorted(
 # Those of docs/python.md run in tests/api/test_api.py.
 EXAMPLES = [path for path in PAGES if ">>> " in path.read_text(encoding="utf-8") and path.name != "python.md"]
 PICTURES = ROOT / "results" / "figures"
+
+
+def critical_mass(inertia: float, radius: float, tan_lead: float, friction: float) -> float:
+    """(8.20)."""
+    return inertia * (1 + friction * tan_lead) / ((friction - tan_lead) * tan_lead * radius**2)
+
+
+def trapezoidal(radius: float, lead: float) -> float:
+    """The critical mass of the page of a maker: 600 mm of steel, with 0.15 on flanks of 15 degrees."""
+    tan_lead = lead / (2 * math.pi * radius)
+    friction = 0.15 * math.hypot(1, math.cos(math.atan(tan_lead)) * math.tan(math.radians(15)))
+    return critical_mass(math.pi / 2 * 7850 * 0.6 * radius**4, radius, tan_lead, friction)
+
+
 PRINTED = {  # by each script of examples: where it says a number, and what that is by the chapter or in 40 digits
     "basin_sweep": [("below (.*) N", -32.7708492344, 1e-5), ("or (.*) kg", 10.1, 0.0083)],
     "falling_friction": [("unstable from (.*) N", 88.934, 1e-5), ("chatters from (.*) N", 73, 0.03)],
     "limit_process": [("the power (.*)", -0.9, 0.1)],
     "stribeck_rise": [("0.065: vibration from (.*?) N", 20, 0.027), ("0.000: .* sticking from (.*) N", 34.5, 0.035)],
+    "makers_page": [
+        ("TR12x3: vibrates,.* to (.*) kg", trapezoidal(5.25e-3, 3e-3), 1e-5),
+        ("TR16x4: steady,.* held, up to (.*) kg", trapezoidal(7e-3, 4e-3), 1e-5),
+    ],
+    "chapter_figure": [
+        ("mass (.*) kg", critical_mass(3.12e-6, 5.18e-3, math.tan(math.radians(5.57)), 0.25), 1e-11),
+        ("SPRAG_SLIP_CYCLE.*rad, (.*) Hz", 309.91, 1e-5),
+    ],
     # of others, as the scripts cite them, and beside one of few digits what its equations give in 25
     "block_on_a_belt": [
         ("up to V = (.*?),", 1 / math.sqrt(0.04 * math.pi), 0.03),
@@ -41,6 +64,7 @@ PRINTED = {  # by each script of examples: where it says a number, and what that
         ("0 to (.*) stops", 14, 0),
     ],
     "impact_oscillator": [("speed (.*) after", -1.36, 0.003), ("speed (.*) after", -1.3565863500759056, 1e-13)],
+    "piecewise_oscillator": [("grazing at beta = (.*)", math.hypot(1 - 0.8**2, 2 * 0.05 * 0.8), 1e-14)],
     "relay": [("period (.*?),", 3.66190466725448922, 1e-14), ("amplitude (.*?),", 2 / (3 * math.pi), 0.015)],
     "two_switches": [
         ("from (.*) s on", 1 / 7, 1e-14),
@@ -49,7 +73,10 @@ PRINTED = {  # by each script of examples: where it says a number, and what that
     ],
 }
 SCRIPTS = sorted((ROOT / "examples").rglob("*.py"))
-SLOW = {"basin_sweep", "coulomb_oscillator", "falling_friction", "limit_process", "stribeck_rise"}
+SLOW = {
+    *("basin_sweep", "chapter_figure", "coulomb_oscillator", "falling_friction", "limit_process", "makers_page"),
+    *("piecewise_oscillator", "stribeck_rise"),
+}
 needs_sphinx = pytest.mark.skipif(importlib.util.find_spec("sphinx") is None, reason="Sphinx is not installed.")
 
 
@@ -114,6 +141,15 @@ def test_the_site_has_every_page_every_figure_and_every_public_name(site):
     assert {path.stem for path in (ROOT / "docs").glob("*.md")} <= pages
     assert {"index", "settings", "contributing", "changelog", "parameters"} <= pages
     assert {Path(page).name for page in pages if page.startswith("gallery/")} >= {*FIGURES, *PRINTED}
+    for script in SCRIPTS:  # each as a notebook, of the code that runs above
+        (notebook,) = site.rglob(f"{script.stem}.ipynb")
+        cells = json.loads(notebook.read_text(encoding="utf-8"))["cells"]
+        code, text = (
+            ["".join(x["source"]) for x in cells if x["cell_type"] == "code"],
+            script.read_text(encoding="utf-8"),
+        )
+        assert len(code) == max(1, text.count("\n# %%\n"))
+        assert all(part in text for part in code)
     reference = (site / "api.html").read_text(encoding="utf-8")
     for public in lsvib.__all__:
         assert f'id="lsvib.{public}"' in reference

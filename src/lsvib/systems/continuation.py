@@ -70,7 +70,7 @@ class CycleBranch:
     """A branch of cycles over a ``parameter``: its ``points`` in order, and the ``changes`` along it."""
 
     parameter: str
-    points: tuple[BranchPoint, ...]
+    points: tuple[BranchPoint, ...] = field(repr=False)
     changes: tuple[Change, ...]
 
     @property
