@@ -15,6 +15,7 @@ from lsvib.answers.cycles import branch_dataset
 from lsvib.answers.io import write_dataset
 from lsvib.errors import InputError
 from lsvib.pictures import drawing, style
+from lsvib.systems import System
 
 DRIVE = lsvib.Drive(mass=11, support_damping=1e-3, axial_force=-10)
 
@@ -108,6 +109,12 @@ def test_what_a_method_returns_is_drawn_and_shown_by_a_notebook(ask):
     assert figure._repr_png_().startswith(b"\x89PNG")
     with pytest.raises(InputError, match="cannot be drawn; motions, sweeps"):
         lsvib.draw(getattr(lsvib.Drive(), ask)())  # steady sliding attracts all
+
+
+def test_a_system_with_states_of_the_names_of_a_drive_is_none():
+    spiral = System(states=["u", "w"], modes={"one": {"u": "w", "w": "-u - 0.1*w"}})
+    figure = lsvib.draw(spiral.simulate("one", {"u": 1}, 10))
+    assert [axes.get_title("left") for axes in figure.axes] == ["State u", "State w"]
 
 
 SPOILED = [  # kind, what is done to it, and what the sentence says, or nothing where there is a picture
