@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from lsvib.dynamics.curves import Part
     from lsvib.dynamics.cycles import Cycle
     from lsvib.dynamics.resilience import Resilience
+    from lsvib.systems import System
     from lsvib.systems.attractor import SteadyState
     from lsvib.systems.automaton import Automaton
     from lsvib.systems.continuation import CycleBranch
@@ -73,6 +74,20 @@ class Drive(drive.Drive):
         from lsvib.drives.description import description_of
 
         return description_of(self)
+
+    def system(self) -> "System":
+        """Return the drive as a system in words, by the chapter's symbols: its modes, z with rate w, θ′ = Omega + w.
+
+        Compliant threads add their mismatch e and its rate v. A start is in a mode of its direction of slip. Raises
+        ``InputError`` for other parts and frictions than those of the threads, and for a rigid drive that can seize.
+
+        >>> lsvib.Drive(translation_damping=1000).system().steady_state("rest", {"w": -40}).period
+        0.010671602920576643
+        """
+        from lsvib.drives.as_system import keys_of
+        from lsvib.systems import System
+
+        return System(**keys_of(self))
 
     def stability(self) -> StabilityReport:
         """Return the linear stability of steady sliding, u = u̇ = 0.
