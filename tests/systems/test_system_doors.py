@@ -95,6 +95,40 @@ def test_values_of_parameters_and_starts_are_mapped():
         assert float(cells.end_period[cells.behaviour.values[i, j]]) == pytest.approx(end.period)
 
 
+def stops(w, f, periods=3):
+    """Stops in a period of x″ + x + f sgn x′ = cos w t, from its solution by hand, with a scan for the zeros of x′."""
+    t, x, found, end = 0.0, 0.0, [], periods * math.tau / w
+    while t < end:
+        way = math.copysign(1.0, math.cos(w * t) - x)
+        if abs(math.cos(w * t) - x) <= f * (1 + 1e-13):  # it stands until the force is f beyond the spring's
+            found.append(t)
+            turns = round(t * w / math.tau)
+            angles = ((k * math.tau + s * math.acos(x + way * f), way) for k in range(turns - 2, turns + 3)
+                      for way in (1, -1) if abs(x + way * f) <= 1 for s in (1, -1))  # fmt: skip
+            later = [(angle / w, way) for angle, way in angles if angle > w * t + 1e-9 and way * math.sin(angle) < 0]
+            t, way = min(later)
+        gain = 1 / (1 - w * w)
+        c, d = x - gain * math.cos(w * t) + way * f, w * gain * math.sin(w * t)
+        times = np.linspace(1e-3, 7 + math.pi / w, 1500)
+        for _ in range(5):  # each scan a thousandfold finer
+            speeds = -w * gain * np.sin(w * (t + times)) - c * np.sin(times) + d * np.cos(times)
+            k = int(np.argmax(way * speeds < 0))
+            times = np.linspace(times[k - 1], times[k], 1500)
+        u = times[-1]
+        t, x = t + u, gain * math.cos(w * (t + u)) - way * f + c * math.cos(u) + d * math.sin(u)
+    return sum(1 for time in found if end - math.tau / w <= time + 1e-6 < end)
+
+
+def test_a_chart_counts_the_stops_under_dry_friction():
+    """0 to 14 in a cycle, as Hong and Liu (J. Sound Vib. 229:1171) have it."""
+    rates, frictions = [1 / k for k in (1.5, 3, 9, 11, 15, 19, 23, 27)], [0.2, 0.35, 0.5, 0.65, 0.8]
+    found = DRY.sweep("back", w=rates, f=frictions)
+    kind = found.kind.flag_meanings.split().index("slides_along_v")
+    counts = found.events[..., kind].values
+    assert counts[:, 2].tolist() == [*range(0, 16, 2)]
+    assert counts.tolist() == [[stops(w, f) for f in frictions] for w in rates]
+
+
 SWITCHED = {  # planar systems whose maps are made by intervals, or look as if they could
     "a relay": ({"p": "1 - x - v/10", "m": "-1 - x - v/10"}, "x > 0.3", "x < -0.3"),
     "two equilibria": ({"p": "1 - x - v/3", "m": "-1 - x - v/3"}, "x < 0", "x > 0"),
