@@ -80,6 +80,15 @@ def test_branches_name_what_happens_to_a_cycle():
     assert free.size == 2
 
 
+def test_a_pair_of_multipliers_leaves_the_circle_where_damping_does_what_impacts_undo():
+    """One impact in a period T of x″ − c x′ + x = cos w t: the pair's product is r² exp(c T), 1 at −w ln r / π."""
+    events = [{"mode": "fly", "when": "x > 0.5", "reset": {"v": "-r*v"}}]
+    pushed = ONE.replace(modes={"fly": {"x": "v", "v": "-x + A*v + c"}}, events=events, A="0.1", w="1.5")
+    changes = pushed.follow(pushed.steady_state("fly", {"x": 0.1}), "A", (0.1, 0.11)).changes
+    assert [change.name for change in changes if change.kind != "end"] == ["Neimark–Sacker"]
+    assert changes[1].value == pytest.approx(-1.5 * math.log(0.8) / math.pi, abs=1e-10)
+
+
 def test_values_of_parameters_and_starts_are_mapped():
     found = STOPS.sweep("fly", {"x": 0.1}, A=[0.5, 1.2, 1.6], w=[0.8])
     one = STOPS.replace(A=1.2).steady_state("fly", {"x": 0.1})

@@ -6,10 +6,10 @@ event to event in closed form, and its derivative P′ is the exact product of f
 :mod:`lsvib.systems.kernels.saltation`. Newton's step  y ← y + (I − P′)⁻¹ (P(y) − y)  asks nothing of the stability.
 
 The multipliers are the n − 1 eigenvalues of P′, zero where the section has fewer dimensions than n − 1. Their error
-has three parts: the rounding of the product, carried along entry by entry and weighted with the condition of the
-eigenvalue; what the uncertainty of the fixed point changes; and, for defective eigenvalues, the root of the former.
-Of stiff contacts that bound of the rounding is too large by ten decades, because it does not see that the fast motion
-has died away; there the rounding is measured instead, by how P′ scatters between places that differ by rounding.
+has three parts: the rounding of the product, carried along entry by entry and into the eigenvalues; what the
+uncertainty of the fixed point changes; and, for defective eigenvalues, the root of the former. Of stiff contacts that
+bound of the rounding is too large by ten decades, because it does not see that the fast motion has died away; there the
+rounding is measured instead, by how P′ scatters between places that differ by rounding.
 """
 
 import math
@@ -53,18 +53,19 @@ def derivative(motion: Motion) -> Derivative:
     return Derivative(matrix, rounding)
 
 
-def eigenvalues(matrix: np.ndarray) -> tuple[np.ndarray, float]:
-    """Return the eigenvalues of a real matrix, complex, and the largest condition of one, |y| |x| / |yᵀx|."""
-    if len(matrix) == 1:
-        return matrix[0].astype(complex), 1.0
+def eigenvalues(matrix: np.ndarray, lost: np.ndarray) -> tuple[np.ndarray, float]:
+    """Return the eigenvalues of a real matrix, complex, and how far those may be whose entries differ by ``lost``.
+
+    With eigenvectors R that is the largest eigenvalue of |R⁻¹| lost |R| (Bauer and Fike), whatever the coordinates'
+    units.
+    """
     values, right = np.linalg.eig(matrix)
     try:
-        left = np.linalg.inv(right)
-    except np.linalg.LinAlgError:
+        with np.errstate(over="ignore", invalid="ignore"):
+            moved = np.abs(np.linalg.inv(right)) @ lost @ np.abs(right)
+        return values.astype(complex), float(np.abs(np.linalg.eigvals(moved)).max())
+    except np.linalg.LinAlgError:  # there is no inverse, or no finite one
         return values.astype(complex), math.inf
-    with np.errstate(over="ignore"):  # hypot alone keeps the squares of large entries within the range of numbers
-        conditions = np.hypot.reduce(np.abs(left), axis=1) * np.hypot.reduce(np.abs(right), axis=0)
-    return values.astype(complex), float(np.max(conditions))
 
 
 def section_key(motion: Motion) -> tuple[int, int] | None:
@@ -164,7 +165,6 @@ def multipliers(section: Section, orbit: Motion, residual: float) -> tuple[np.nd
         return np.full(count, math.nan, dtype=complex), math.nan
     if section.dimension == 0:
         return np.zeros(count, dtype=complex), 0.0
-    values, condition = eigenvalues(found.matrix)
     lost = found.rounding * orbit.automaton.condition
     if not _norm(lost) <= 1e-10:  # size of the rounding of P′ below which its bound is good enough
         lost = np.fmin(lost, _scatter(section, orbit, found.matrix))
@@ -178,8 +178,8 @@ def multipliers(section: Section, orbit: Motion, residual: float) -> tuple[np.nd
             if beside is not None:
                 change[:] = np.abs(section.derivative(beside).matrix - found.matrix) / step
         lost = lost + np.where(np.isfinite(changes), changes, 0.0).max(axis=0) * min(uncertain, _STEPS[0])
-    size = _norm(lost)
-    error = min(condition * size, max(size, size ** (1 / len(found.matrix))) * len(found.matrix) + size)
+    size, (values, moved) = _norm(lost), eigenvalues(found.matrix, lost)
+    error = min(moved, max(size, size ** (1 / len(found.matrix))) * len(found.matrix) + size)
     padded = np.concatenate([values, np.zeros(count - len(values))])
     return padded[np.argsort(-np.abs(padded), kind="stable")], error
 
