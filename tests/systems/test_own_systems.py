@@ -201,10 +201,20 @@ def test_ends_without_a_cycle():
     chain = {"low": {"x": "y - x", "y": "z - y", "z": "1 - z"}}
     end = end_of(System(states=[*"xyz"], modes=chain), "low")
     assert (end.label, [*end.state.values()]) == (Label.EQUILIBRIUM, pytest.approx([1, 1, 1]))
+    pushes = {name: chain["low"] | {"z": f"{push} - z"} for name, push in (("low", 2), ("high", -1))}
+    slides = System(states=[*"xyz"], modes=pushes, surfaces=[{"between": ["low", "high"], "at": "x + z - 1"}])
+    end = end_of(slides, "low")  # where a relay holds a chain of equal lags, which is followed in series
+    assert (end.label, end.mode) == (Label.EQUILIBRIUM, "low|high")
+    assert [*end.state.values()] == pytest.approx([0.5, 0.5, 0.5])
     drift = System(states=["x", "y"], modes={"go": {"x": "y", "y": "-y"}})
     assert end_of(drift, "go", {"x": 1, "y": 2}).state == pytest.approx({"x": 3, "y": 0})
     assert end_of(drift.replace(modes={"go": {"x": 1, "y": "-y"}}), "go").label == Label.UNBOUNDED
     assert end_of(drift.replace(modes={"go": {"x": "y", "y": "y - x"}}), "go", {"x": 1}).label == Label.UNBOUNDED
+    saddle = drift.replace(modes={"go": {"x": "y", "y": "x + 1"}})
+    assert [end_of(saddle, "go", {"x": x}).label for x in (1, -1)] == [Label.UNBOUNDED, Label.EQUILIBRIUM]
+    fall = System(states=[*"xyz"], modes={"go": {"x": "y", "y": "z", "z": 1}},
+                  events=[{"mode": "go", "when": "x < -1", "reset": {"y": "-y"}}])  # fmt: skip
+    assert (end_of(fall, "go").label, end_of(fall, "go").doubt) == (Label.UNBOUNDED, None)
     circle = end_of(drift.replace(modes={"go": {"x": "y", "y": "-4*x"}}), "go", {"x": 1})
     assert (circle.label, circle.period) == (Label.FAMILY, pytest.approx(math.pi))
 

@@ -308,7 +308,7 @@ class _Maker:
             for mode in event.mode if event.beyond else ():
                 if beyond.setdefault(mode, str(event.beyond)) != event.beyond:
                     raise InputError(f"mode {mode} goes beyond an accumulation into two modes.")
-        flows = {name: self._settling(flow, guards[name]) for name, flow in flows.items()}
+        flows = {name: self._settling(flow, guards[name], self.slides.get(name)) for name, flow in flows.items()}
         modes = {name: Mode(k, flows[name], guards[name], beyond.get(name)) for k, name in enumerate(self.fields)}
         scales = [float(x) for flow in flows.values() for x in flow.time_scales if 0 < x < math.inf]
         scales += map(float, (*self.times.values(), *(1 / x for x in self.rates)))
@@ -328,7 +328,7 @@ class _Maker:
 
     def _flows(self) -> dict[str, Any]:
         """Return the flow of each mode: one oscillator, a modal form, or where one has none a series for all."""
-        if self.n == 2 and all(rows[0] == self.unit[1] for rows in self.fields.values()):
+        if self.n == 2 and all(rows[0] == self.unit[1] and rows[1][0] <= 0 for rows in self.fields.values()):
             signed = {name: (-x, -y, z) for name, (_, (x, y, z)) in self.fields.items()}
             return {name: PlanarMode.of(1, y, x, z) for name, (x, y, z) in signed.items()}
         try:
@@ -336,15 +336,22 @@ class _Maker:
         except (EngineError, ArithmeticError):
             return {name: still_mode(rows) for name, rows in self.fields.items()}
 
-    def _settling(self, flow: Any, guards: Sequence[Guard]) -> Any:
+    def _settling(self, flow: Any, guards: Sequence[Guard], slides: Border | None) -> Any:
         """Return a mode in series with the region around its equilibrium that no motion leaves, if it has one."""
-        if not isinstance(flow, TaylorMode) or self.times or not abs(np.linalg.det(flow.field[:, :-1])) > 0:
+        if not isinstance(flow, TaylorMode) or self.times:
+            return flow
+        field = flow.field.copy()
+        if slides:  # σ is zero and stays so: where it fell by itself, the motion would be the same
+            row = np.array([*map(float, slides.at)])
+            k = int(np.argmax(np.abs(row[:-1])))
+            field[k] -= np.abs(field).max() * row / row[k]
+        if not abs(np.linalg.det(field[:, :-1])) > 0:
             return flow
         law = np.zeros((1, PIECE))  # that never ends, and of nothing
         law[0, [FROM, TO, EXPONENT]] = -math.inf, math.inf, 1.0
         inward = [one.sign * np.array([*map(float, self.surfaces[one.surface].row)]) for one in guards]
-        place = np.linalg.solve(flow.field[:, :-1], -flow.field[:, -1])
-        still = replace(flow, speed=np.eye(self.n + 1)[-1], pieces=law)
+        place = np.linalg.solve(field[:, :-1], -field[:, -1])
+        still = replace(flow, field=field, speed=np.eye(self.n + 1)[-1], pieces=law)
         return replace(flow, settled=settled_region(still, inward, place))
 
 

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from lsvib import numbers
-from lsvib.errors import AccumulationError, BranchError, EngineError, InputError, WorkSpentError
+from lsvib.errors import AccumulationError, BranchError, DivergenceError, EngineError, InputError, WorkSpentError
 from lsvib.numbers import names_and_values, shown
 from lsvib.systems.assembly import Made, made
 from lsvib.systems.attractor import Attractor, Doubt, KnownCycles, SteadyState, end_of_motion, orbit_extremes
@@ -272,6 +272,8 @@ def end_from(own: Made, number: int, place: np.ndarray, max_events: int = 300_00
             return _still(own, motion(own, number, place, math.inf, Budget(max_events)))
         if steady.doubt is not None:
             motion(own, number, place, math.inf, Budget(_EXPLAINED))
+    except DivergenceError:
+        steady, label, reason = replace(steady, doubt=None), Label.UNBOUNDED, ""
     except EngineError as error:
         reason = reason if isinstance(error, WorkSpentError) else str(error)
     mode = own.automaton.modes[orbit.start_mode] if orbit else ""
