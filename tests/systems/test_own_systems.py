@@ -206,6 +206,9 @@ def test_ends_without_a_cycle():
     end = end_of(slides, "low")  # where a relay holds a chain of equal lags, which is followed in series
     assert (end.label, end.mode) == (Label.EQUILIBRIUM, "low|high")
     assert [*end.state.values()] == pytest.approx([0.5, 0.5, 0.5])
+    lags = {f"x{k}": f"x{k + 1} - x{k} + 0.{k}3" if k < 4 else "1/3 - x4" for k in range(5)}
+    five = System(states=[*lags], modes={"go": lags}, events=[{"mode": "go", "when": "x0 > 2", "reset": {"x0": 0}}])
+    assert end_of(five, "go").state["x0"] == pytest.approx(0.03 + 0.13 + 0.23 + 0.33 + 1 / 3, rel=1e-14)
     drift = System(states=["x", "y"], modes={"go": {"x": "y", "y": "-y"}})
     assert end_of(drift, "go", {"x": 1, "y": 2}).state == pytest.approx({"x": 3, "y": 0})
     assert end_of(drift.replace(modes={"go": {"x": 1, "y": "-y"}}), "go").label == Label.UNBOUNDED

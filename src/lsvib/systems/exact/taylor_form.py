@@ -137,7 +137,8 @@ def settled_region(
     # a damping that is no more than the rounding of the rates is none, and leaves the equation of S without a solution
     stable = (reach > 0) & (values.real.max(axis=-1) < -1e-14 * abs(values).max(axis=-1))
     matrix = np.where(stable[..., None, None], matrix, -unit)
-    sizes = np.abs(np.linalg.eig(matrix)[1]).max(axis=-1)  # of the coordinates to each other
+    sizes = np.abs(np.linalg.eig(matrix)[1]).max(axis=-1)  # of the coordinates to each other, but of a chain
+    sizes = np.where(sizes.min(axis=-1, keepdims=True) < 1e-12 * sizes.max(axis=-1, keepdims=True), 1.0, sizes)
     weight = unit / sizes[..., None, :] ** 2
     turned = np.swapaxes(matrix, -1, -2)
     flat = np.einsum("ij,...kl->...ikjl", unit, turned) + np.einsum("...ij,kl->...ikjl", turned, unit)
