@@ -191,6 +191,8 @@ REFUSED = [
     (lambda: STOPS.follow(HOP.steady_state("lie"), "A", (1, 2)), "what is followed is one cycle"),
     (lambda: STOPS.follow(ONE.steady_state("fly"), "A", (1, 2)), "the cycle belongs to another system"),
     (lambda: ONE.follow(ONE.steady_state("fly"), "A", (2, 3)), "span = 2 to 3 is outside the allowed range"),
+    (lambda: STOPS.simulate("fly", [0, 1], 1), "state = [0, 1] does not hold names and values."),
+    (lambda: HOP.map({"x": (0, 1, 5), "v": (0, 1, 5)}, mode=["fly"]), "['fly'] is no mode of the system"),
     (lambda: STOPS.map({"x": (0, 1, 5)}), "grid spans 1 coordinates"),
     (lambda: System(["mode"], {"go": {"mode": 1}}).simulate("go", {}, 1), "mode has a meaning of its own"),
 ]  # fmt: skip

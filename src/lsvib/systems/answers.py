@@ -294,6 +294,7 @@ def mapped(system: System, grid: Any, mode: str | None, progress: numbers.Progre
             known = Known.of(own, found)
         return place
 
+    at(0, 0)  # refuses what is no mode
     kinds = _by_intervals(system, starts, begin)
     for kind in () if kinds is None else np.unique(kinds):
         cells = np.argwhere(kinds == kind)

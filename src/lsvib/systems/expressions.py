@@ -46,7 +46,7 @@ class Reader:
         if isinstance(given, (int, float)) and not isinstance(given, bool):
             return self._checked(self._constant(arb(given)))
         tree, self.text = _parsed(given, about)
-        return self._checked(self._read(tree))
+        return self._checked(self._whole(tree))
 
     def number(self, given: Any, about: str) -> arb:
         """Return an expression without states as a ball."""
@@ -60,7 +60,7 @@ class Reader:
         self.start, (one, self.text) = f"{about} = {shown(given)}", _parsed(given, about)
         if not isinstance(one, ast.Compare) or len(one.ops) != 1:
             raise self._refusal("is not a condition, such as x > 1.")
-        sides = [self._read(side) for side in (one.left, one.comparators[0])]
+        sides = [self._whole(side) for side in (one.left, one.comparators[0])]
         if isinstance(one.ops[0], (ast.Lt, ast.LtE)):
             sides.reverse()
         elif not isinstance(one.ops[0], (ast.Gt, ast.GtE)):
@@ -79,6 +79,12 @@ class Reader:
         if isinstance(value, arb) and not value.is_finite():
             raise self._refusal("is no real number.")
         return (*(0 for _ in range(self.size - 1)), 0 if value == 0 else value)
+
+    def _whole(self, tree: ast.expr) -> Affine:
+        try:
+            return self._read(tree)
+        except RecursionError:
+            raise self._refusal("is nested too deeply.") from None
 
     def _read(self, node: ast.expr) -> Affine:
         match node:

@@ -72,9 +72,9 @@ class System:
             put[key] = {name: _value(x) for name, x in names_and_values(key, given).items()}
         put["harmonics"] = {_pair(key): x for key, x in put["harmonics"].items()}
         self._check_names()
-        put["modes"] = {name: self._mode(name, own) for name, own in names_and_values("modes", modes).items()}
-        if not self.states or not self.modes:
+        if not self.states or not modes:
             raise InputError("a system needs one state and one mode at least.")
+        put["modes"] = {name: self._mode(name, own) for name, own in names_and_values("modes", modes).items()}
         put["events"] = tuple(self._event(f"events[{k}]", own) for k, own in enumerate(_listed("events", events)))
         planes = enumerate(_listed("surfaces", surfaces))
         put["surfaces"] = tuple(self._surface(f"surfaces[{k}]", own) for k, own in planes)
@@ -142,7 +142,7 @@ class System:
     def _event(self, about: str, given: Any) -> Event:
         own = _known(about, given, Event._fields, ("mode",))
         modes = (own["mode"],) if isinstance(own["mode"], str) else tuple(_listed(f"{about}.mode", own["mode"]))
-        for name in (*modes, *(own[key] for key in ("to", "beyond") if own.get(key) is not None)):
+        for name in (*(modes or [None]), *(own[key] for key in ("to", "beyond") if own.get(key) is not None)):
             if not isinstance(name, str) or not {*name.split("|")} <= {*self.modes}:
                 raise InputError(f"{about} names the mode {shown(name)}; modes are {', '.join(self.modes)}.")
         if ("when" in own) == ("at_clock" in own):
