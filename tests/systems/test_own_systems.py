@@ -218,6 +218,10 @@ def test_ends_without_a_cycle():
     fall = System(states=[*"xyz"], modes={"go": {"x": "y", "y": "z", "z": 1}},
                   events=[{"mode": "go", "when": "x < -1", "reset": {"y": "-y"}}])  # fmt: skip
     assert (end_of(fall, "go").label, end_of(fall, "go").doubt) == (Label.UNBOUNDED, None)
+    flees = [{"x": "x", "y": "-y"}, {"x": 1, "y": "-y"}, {"x": "0.2*x - 0.1", "y": "x - 2*y"}, {"x": "y", "y": "x"}]
+    for own in flees:  # along a guard that grows for ever
+        away = drift.replace(modes={"go": own}, events=[{"mode": "go", "when": "x + y/2 < -1", "reset": {"x": 1}}])
+        assert end_of(away, "go", {"x": 1}).label == Label.UNBOUNDED
     circle = end_of(drift.replace(modes={"go": {"x": "y", "y": "-4*x"}}), "go", {"x": 1})
     assert (circle.label, circle.period) == (Label.FAMILY, pytest.approx(math.pi))
 

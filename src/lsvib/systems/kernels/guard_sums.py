@@ -210,7 +210,7 @@ def least_between(flow, mode, sums, guard, here, there, k, sign, eighth):
 
 @inlined_kernel
 def lowest_from(flow, mode, sums, guard, node, t):
-    """Return a lower bound of a guard for all times from the node at t [s] on; −∞ if a part of it grows.
+    """Return a lower bound of a guard for all times from the node at t [s] on; −∞ if a part of it grows, but by drift.
 
     Because h(t) ≤ t, the joint form of a pair is at most (|P| + |Q| t) e^{−rt} with its slower rate r; this falls from
     t = 1/r on.
@@ -231,10 +231,10 @@ def lowest_from(flow, mode, sums, guard, node, t):
     for single in range(flow.singles[mode]):
         rate, push, factors = flow.rates[mode, single], flow.pushes[mode, single], sums.singles[guard, single]
         e = sums.single_nodes[node, single, 0]
-        if rate > 0.0 or (rate == 0.0 and push != 0.0):
+        if rate > 0.0 or (rate == 0.0 and push != 0.0 and factors[1] < 0.0):
             return -math.inf
         if rate == 0.0:
-            level += factors[0]
+            level += factors[0] + factors[1] * sums.single_nodes[node, single, 1]
         elif push == 0.0:
             level -= abs(factors[0]) * e
         else:
@@ -245,13 +245,15 @@ def lowest_from(flow, mode, sums, guard, node, t):
 
 @kernel
 def outlasts(flow, mode, sums, guard, node):
-    """Whether a guard without a constant stays positive from a node on: its slowest part does, and outweighs all else.
+    """Whether a guard stays positive from a node on: its part that decays least does, and outweighs all else.
 
-    That part is real, and the others decay as fast at least, so that what they are of it never grows.
+    That part is real, may be the constant and may grow; the others are of it what they are at the node, or less.
     """
-    if sums.constants[guard] != 0.0:
-        return False
-    slowest, lead, total = -math.inf, 0.0, 0.0
+    lead = sums.constants[guard]
+    for single in range(flow.singles[mode]):  # with a push it is carried as what it grows by from time zero
+        if flow.pushes[mode, single] != 0.0:
+            lead -= sums.singles[guard, single, 1] / flow.rates[mode, single]  # of a drift it is no number
+    slowest, total = 0.0 if lead != 0.0 else -math.inf, abs(lead)
     for pair in range(flow.pairs[mode]):
         row, at, parts = flow.oscillators[mode, pair], sums.pair_nodes[node, pair], sums.pairs[guard, pair]
         factors, spread = sums.pair_bounds[guard, pair, 0], 2.0 * row[DELTA]
@@ -261,10 +263,10 @@ def outlasts(flow, mode, sums, guard, node):
             lead = (parts[0] + parts[1] / spread) * at[3] if spread > 0.0 else 0.0
         total += size
     for single in range(flow.singles[mode]):
-        size = sums.singles[guard, single, 0] * sums.single_nodes[node, single, 0]
-        if flow.pushes[mode, single] != 0.0:
-            return False
-        if size != 0.0 and flow.rates[mode, single] > slowest:
-            slowest, lead = flow.rates[mode, single], size
+        rate, factors = flow.rates[mode, single], sums.singles[guard, single]
+        part = factors[0] if flow.pushes[mode, single] == 0.0 else factors[1] / rate
+        size = part * sums.single_nodes[node, single, 0]
+        if size != 0.0 and rate > slowest:
+            slowest, lead = rate, size
         total += abs(size)
-    return slowest < 0.0 and 2.0 * lead > total
+    return 2.0 * lead > total
