@@ -20,9 +20,8 @@ from lsvib.pictures import style
 from lsvib.pictures.style import Axes, Figure
 
 CAPTION = """\
-What a scene saves by leaving out what it does not need: (a) run time and (b) construction of its own model beside a
-general one in which every term is present and zero, with the quartiles of how many times longer that takes; (c) what
-datasets and pictures import.
+What a scene saves by leaving parts out: (a) run time and (b) construction of its own model and of a general one in
+which every term is present and zero, with the quartiles of their ratio; (c) what datasets and pictures import.
 """
 
 MODULES = {  # what drawing a figure or building its dataset imports; measured in processes of their own

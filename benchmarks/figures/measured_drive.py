@@ -20,23 +20,24 @@ from lsvib.pictures import style
 from lsvib.pictures.torque import RPM, residual_panel, torque_panel
 
 CAPTION = """\
-Drive 1 of Mablekos-Alexiou, da Cruz and Bergeles (IEEE Trans. Robotics 37:1252, 2021): a screw of 12 mm with a lead of
-2 mm, 0.096 kg hanging from its carriage. (a) Torque of the motor over the speed, means of the 500 samples of each file
-that is even with their standard deviation, and the fitted law; all friction in the threads. (b) Two seconds of the
-files at 2 rpm, which jerk, beside the cycle of the model. (c) Speed from which on the model runs evenly once started,
-over the damping c of command and bearing; the shaded dampings explain which files jerk and which are even. (d) What
-the law leaves of the means, with their standard errors.
-Explained: the torque climbs as behind a spring of 0.0215 N m/rad. With as much friction in the bearing as can be, 2.37
-mN m in sliding and 3.17 at rest, and a damping of 1.23 × 10⁻⁴ N m s/rad, the model jerks as often as the screw both
-ways, to 1 %, with its torque, to 0.03 mN m, and its swing, to 3 %; both numbers are those that give period and torque
-in the mean of both directions, and the breakaway torque makes 3.23 ± 0.07. With what is above sliding in the threads it
-would jerk every 0.37 s lowering and 0.44 lifting. Recorded speeds up to 15 rpm are averages, over some 50 ms, of slips
-at more than 30. Not explained: with that damping, the dotted line in (c), the model runs evenly from 32 rpm on, while
-the screw was even at 10, which takes 2.5 × 10⁻⁴ at least if it was started from rest. Friction at rest that grows with
-the time of rest, which is 0.37 s at 2 rpm and would be shorter at 10, might explain both. While the torque climbs the
-motor turns at 1 rpm, half of the command, so it winds up what yields behind it.
-Jerks differ from tooth to tooth, and at 10 rpm the torque swings once in a turn, by 6 % lifting and 14 % lowering:
-friction depends on the place.
+Drive 1 of Mablekos-Alexiou, da Cruz and Bergeles (IEEE Trans. Robotics 37:1252, 2021): a 12 mm screw with a lead of 2
+mm and 0.096 kg hanging from its carriage. (a) Motor torque over speed: mean and standard deviation of the 500 samples
+of each steady file, and the fitted law with all friction in the threads. (b) Two seconds of the files at 2 rpm, which
+jerk, and the cycle of the model. (c) Speed above which the model runs steadily from rest, over the damping c of command
+and bearing; the shaded dampings explain which files jerk and which are steady. (d) Residuals of the means, with their
+standard errors.
+Explained: the torque climbs as behind a spring of 0.0215 N m/rad. With as much friction in the bearing as possible,
+2.37 mN m sliding and 3.17 at rest, and a damping of 1.23 × 10⁻⁴ N m s/rad, the model jerks as often as the screw in
+both directions, to 1 %, with the same torque, to 0.03 mN m, and the same swing, to 3 %. Friction at rest and damping
+match period and torque averaged over both directions; the breakaway torque gives 3.23 ± 0.07. With the excess over
+sliding friction in the threads the model would jerk every 0.37 s lowering and 0.44 s lifting. Recorded speeds up to 15
+rpm are averages, over about 50 ms, of slips at more than 30. Not explained: with that damping, the dotted line in (c),
+the model runs steadily above 32 rpm, while the screw was steady at 10, which takes at least 2.5 × 10⁻⁴ if it was
+started from rest. Friction at rest that grows with the time at rest, 0.37 s at 2 rpm and less at 10, might explain
+both. While the torque climbs the motor turns at 1 rpm, half the commanded speed, so it winds up something compliant
+behind it.
+Jerks differ from tooth to tooth, and at 10 rpm the torque swings once per turn, by 6 % lifting and 14 % lowering:
+friction depends on position.
 """
 
 ENDS = ("threads", "bearing")  # where the fit puts friction at rest above that of sliding: in all, or in the bearing
@@ -126,7 +127,7 @@ def build(settings: Values) -> xr.Dataset:
         name: variable(("direction", *dims), [row[name] for row in rows], unit, words)
         for name, (dims, unit, words) in _ROWS.items()
     }
-    over, from_it = ("direction", "support_damping"), "speed from which on the model is even once started"
+    over, from_it = ("direction", "support_damping"), "speed above which the model runs steadily from rest"
     both = "least and largest damping, the bearing's included, that explain which files jerk"
     variables |= {
         "even_speed": variable(over, limits, "rad s-1", from_it),
@@ -379,8 +380,8 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     limit.set_xticks(ticks, [style.number(tick) for tick in ticks])
     limit.set_yticks([1, 2, 5, 10, 20, 50, 100], ["1", "2", "5", "10", "20", "50", "100"])
     limit.set_yticks([], minor=True)
-    limit.legend(fontsize=7, loc="upper right", title="above: runs evenly", title_fontsize=7)
-    titles = "(a) torque of the motor", "(b) jerks at 2 rpm", "(c) from where on it is even", "(d) measured less fitted"
+    limit.legend(fontsize=7, loc="upper right", title="above: runs steadily", title_fontsize=7)
+    titles = "(a) motor torque", "(b) jerks at 2 rpm", "(c) lowest steady speed", "(d) measured − fitted"
     for axes, title in zip((torque, record, limit, residual), titles, strict=True):
         axes.set_title(title)
     return figure

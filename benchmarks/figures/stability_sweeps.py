@@ -19,11 +19,11 @@ if TYPE_CHECKING:
     from benchmarks.sweeps.case_judge import CaseOutcome
 
 CAPTION = """\
-The engine at the edge of the domain. (a) Digits of the final state that are right, judged by the reference with 40
-digits, family by family; black: what 16 units in the last place of the input may change. (b, c) Compliant threads over
-stiffness and damping of the contact, and the condition number of the modal form; circles mark cases that did not pass.
-(d) Digits against the distance from an edge. (e) Digits to which the energy of each motion balances; orange where
-rounding alone may open the balance by more than the tolerance. See docs/validation.md.
+The engine at the edge of the domain. (a) Correct digits of the final state, judged by a 40-digit reference, by family;
+black: effect of 16 units in the last place of the input. (b, c) Compliant threads over stiffness and damping of the
+contact, and the condition number of the modal form; circles mark failed cases. (d) Digits over the distance from an
+edge. (e) Digits to which the energy of each motion balances; orange where rounding alone may exceed the tolerance. See
+docs/validation.md.
 """
 
 _SOURCE = "docs/validation.md"
@@ -196,7 +196,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     digits = -np.log10(np.maximum(dataset.state_error.values, 10.0**-_ALL))
     asked = np.isfinite(digits)
     _families(axes["a"], dataset, digits, asked)
-    _contact(figure, axes["b"], dataset, digits, "(b) compliant threads: digits right", "digits", 6, 16)
+    _contact(figure, axes["b"], dataset, digits, "(b) compliant threads: correct digits", "digits", 6, 16)
     condition = np.log10(dataset.condition.values)
     _contact(figure, axes["c"], dataset, condition, "(c) condition of the modal form", "log$_{10}$ condition", 0, None)
     _edges(axes["d"], dataset, digits, asked)
@@ -235,7 +235,7 @@ def _families(axes: Axes, dataset: xr.Dataset, digits: np.ndarray, asked: np.nda
     axes.set_yticks(range(dataset.sizes["edge_family"]), [names[int(f)] for f in dataset.edge_family.values])
     axes.set(
         title=f"(a) {total:,} cases, judged by 40 digits",
-        xlabel="Digits that are right",
+        xlabel="Correct digits",
         xlim=(-3.5, 24.5),
         ylim=(dataset.sizes["edge_family"] - 0.4, -0.6),
     )
@@ -244,7 +244,7 @@ def _families(axes: Axes, dataset: xr.Dataset, digits: np.ndarray, asked: np.nda
         Line2D([], [], color=style.BLUE, marker="o", markersize=2.5, linestyle="none", label="a case"),
         Line2D([], [], color=style.VERMILION, marker="o", markersize=3.5, linestyle="none", label="not passed"),
         Line2D([], [], color=style.BLACK, marker="|", markersize=9, linestyle="none",
-               label="what 16 units in the\nlast place of the\ninput may change"),
+               label="effect of 16 units in\nthe last place of\nthe input"),
     ][: 2 + bool((moved > 0).any())]  # fmt: skip
     axes.legend(handles=handles, loc="upper left", fontsize=6.5, handletextpad=0.1, borderpad=0.2,
                 frameon=True, framealpha=1.0, edgecolor="none")  # fmt: skip

@@ -25,10 +25,10 @@ if TYPE_CHECKING:
     from benchmarks.rivals.race import Entry
 
 CAPTION = """\
-Error of the final state, in sizes of the motion, against run time. Every line is a method at several tolerances, time
-steps or widths of the smoothed friction; a cross is a run that shows a wrong motion: another number of events of some
-kind, or another attractor; the reference has 33 digits or more. The last row: how many times longer than lsvib the best
-of each family takes for an error of 1e-3 (open: 1e-7). Bars span the quartiles of repeats.
+Error of the final state, relative to the size of the motion, over run time. Each line is a method at several
+tolerances, time steps or widths of the smoothed friction; a cross marks a wrong motion: a different number of events of
+some kind, or a different attractor. The reference has 33 digits or more. Last row: run time of the best method of each
+family over that of lsvib, at an error of 1e-3 (open: 1e-7). Bars span the quartiles of repeats.
 """
 
 SCENES = (

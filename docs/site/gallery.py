@@ -17,15 +17,15 @@ _HEADER = """
 Gallery
 =======
 
-Every figure that a run of the workflow draws, each with its caption, the script that makes it, and the file behind it,
-which computes the dataset, judges it, and draws the picture from it. ``lsvib figure 8.6`` makes the same files. Last,
-the short scripts of ``examples``.
+Every figure of the workflow, with its caption, the script that makes it, and the file behind it, which computes the
+dataset, checks it, and draws the picture. ``lsvib figure 8.6`` makes the same files. Last come the scripts of
+``examples``.
 """
 _SECTIONS = {
     "1_chapter": "The chapter\n-----------\n\nThe fifteen figures of chapter 8.\n",
-    "2_beyond": "Beyond the chapter\n------------------\n\nWhat it says without a figure, and what goes further.\n",
-    "3_scripts": "Scripts\n-------\n\nUp to forty lines each, over what drives can be asked: to copy and to change.\n",
-    "4_systems": "Systems of one's own\n--------------------\n\nEach prints a number of somebody else's.\n",
+    "2_beyond": "Beyond the chapter\n------------------\n\nWhat it says without a figure, and further results.\n",
+    "3_scripts": "Scripts\n-------\n\nUp to forty lines each, to copy and change.\n",
+    "4_systems": "Your own system\n---------------\n\nEach reproduces a published number.\n",
 }
 # The file is shown as "pyi": in what is "python", Sphinx-Gallery looks for names to link, token by token, for seconds.
 _SCRIPT = '''"""

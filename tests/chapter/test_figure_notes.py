@@ -43,7 +43,7 @@ def parameters() -> xr.Dataset:
 
 def test_a_caption_states_what_is_printed_and_what_is_assumed():
     words, values = caption_of("fig8_03", parameters()).rstrip().split("\n\n")
-    assert words.startswith("Stability of the steady sliding")
+    assert words.startswith("Stability of steady sliding")
     assert values.replace("\\_", "_") == (
         "Values: As printed: m = 10 kg, R = −50 N. Assumed: m = 11 kg, k_c = 10⁸ N m⁻¹. Otherwise Table 8.1."
     )

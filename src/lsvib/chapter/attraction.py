@@ -9,8 +9,8 @@ from lsvib.drives.model import coordinates
 from lsvib.pictures.attraction import draw as draw
 
 CAPTION = """\
-Regions of attraction: the attractor of the motion from every start, and the time until it is reached as shade, with the
-exact boundary. Sect. 8.7 says only that the region of steady sliding can be quite small.
+Regions of attraction: the attractor reached from every initial state, shaded by the time it takes, with the exact
+boundary. Sect. 8.7 says only that the region of steady sliding can be quite small.
 """
 
 _Name: Any = Literal[*coordinates()]

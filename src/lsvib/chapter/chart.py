@@ -6,8 +6,8 @@ from lsvib.chapter.settings import FigureSettings, Span
 from lsvib.pictures.chart import draw as draw
 
 CAPTION = """\
-What the drive does over two of its parameters, by up to three motions of each drive, with the exact curves that divide
-it. Sects 8.5 to 8.7 give single values of these curves.
+The motion of the drive over two of its parameters, from up to three motions of each drive, with the exact curves that
+divide the plane. Sects 8.5 to 8.7 give single values of these curves.
 """
 
 

@@ -82,14 +82,14 @@ class Selection(SettingsSection):
     """What is built, and how, and the drive of all figures; each figure has a section of its own beside it."""
 
     table_8_1: DriveChanges = Field(
-        default=DriveChanges(), description="Parameters of the drive of all figures; their `drive` differs from it."
+        default=DriveChanges(), description="Parameters of the drive of all figures, which their `drive` changes."
     )
 
     figures: Annotated[list[_Name], *Unique] | None = Field(
-        default=None, min_length=1, description="Figures to build; all if it is left out."
+        default=None, min_length=1, description="Figures to build; by default all."
     )
     pathvars: dict[Literal["results", "logs"], str] = Field(
-        default={}, description="Folders that Snakemake writes to, if they are to be others than results and logs."
+        default={}, description="Output folders of Snakemake, if not results and logs."
     )
 
 

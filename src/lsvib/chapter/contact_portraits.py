@@ -344,9 +344,9 @@ fig8_01 = Figure(
     """\
 Phase portrait of the contact force while the threads are stiff, in the indeterminate case and with the screw turning
 forwards, (a) without and (b), not in the chapter, with contact damping. Abscissa: the chapter's force χ (8.8);
-ordinate: its rate, scaled alike on both sides. Law + has a saddle where the contact force is positive, law − a centre
+ordinate: its rate, in one scale on both sides. Law + has a saddle where the contact force is positive, law − a centre
 or a focus where it is negative; the saddle's stable manifold separates contact forces that stay bounded from those that
-grow without bound. In (a) part of the unstable manifold lies on it. Arrows point along time.
+grow without bound. In (a) part of the unstable manifold lies on it. Arrows point forward in time.
 """,
     partial(portrait, paradox=Paradox.INDETERMINATE, figure="8.1", places="Sect. 8.2, Fig. 8.1, Remark 8.1"),
     _indeterminate_checks,
@@ -358,7 +358,7 @@ fig8_02 = Figure(
 Phase portrait of the contact force while the threads are stiff, in the inconsistent case and with the screw turning
 forwards, (a) without and (b), not in the chapter, with contact damping. Both equilibria lie where the other law holds,
 so there is no solution; every contact force ends growing in the first quadrant along the unstable manifold of the
-virtual saddle. Arrows point along time.
+virtual saddle. Arrows point forward in time.
 """,
     partial(portrait, paradox=Paradox.INCONSISTENT, figure="8.2", places="Sect. 8.2, Fig. 8.2"),
     _inconsistent_checks,

@@ -22,11 +22,11 @@ from lsvib.stability.conditions import least_damping_of_stiff_contact, unstable_
 from lsvib.stability.spectrum import eigenvalues, margins, polynomial
 
 CAPTION = """\
-Steady sliding with compliant threads (drive of Table 8.1, force with the motion; contacts assumed): (a) the mass at
-which it is lost over the contact damping, for several contact stiffnesses, missing where none is, with the contacts of
-Figs 8.10 and 8.13; (b) growth rate above the critical mass of the rigid drive, unstable beyond the dotted stiffnesses
-whatever the damping (Lemma 8.1); (c) below it, where an elastic contact is unstable although the rigid drive is stable;
-(d) the contact dampings at which it is stable, which for soft contacts are two intervals. See docs/lemmas.md.
+Stability of steady sliding with compliant threads (drive of Table 8.1, force with the motion; contacts assumed): (a)
+the critical mass over contact damping for several contact stiffnesses, with gaps where there is none, and the contacts
+of Figs 8.10 and 8.13; (b) growth rate above the critical mass of the rigid drive, unstable beyond the dotted
+stiffnesses at any damping (Lemma 8.1); (c) growth rate below it, where an elastic contact is unstable although the
+rigid drive is stable; (d) the stable contact dampings, two intervals for soft contacts. See docs/lemmas.md.
 """
 
 _CONTACT = ("contact_stiffness", "contact_damping")
@@ -97,7 +97,7 @@ def _curves(drive: Drive, curves: np.ndarray, along: np.ndarray) -> Variables:
     grid = np.array([[float(stable[0][1]) if stable else np.nan for stable in row] for row in found])
     again = np.array([[float(stable[1][0]) if len(stable) > 1 else np.nan for stable in row] for row in found])
     dims, whole = ("curve_contact_stiffness", "curve_contact_damping"), grid >= _LARGEST_MASS
-    words, lost = "mass from which on steady sliding is stable again, missing if from none", ~whole & np.isfinite(grid)
+    words, lost = "mass above which steady sliding is stable again, if any", ~whole & np.isfinite(grid)
     return {
         "curve_critical_mass_with_contact": variable(dims, np.where(lost, grid, np.nan), *CRITICAL_MASS_WITH_CONTACT),
         "stable_again": variable(dims, again, "kg", words),
@@ -116,7 +116,7 @@ def _growth_rates(drive: Drive, heavy: float, light: float, dampings: np.ndarray
     damping, stiff = "growth_contact_damping", "growth_contact_stiffness"
     largest, proved = "largest real part of the eigenvalues", "contact stiffness beyond which Lemma 8.1 is proved"
     enough = "contact damping above which the smaller mass is stable for all"
-    fewer = "ends of an interval of smaller dampings at which it is stable, too"
+    fewer = "ends of an interval of smaller dampings at which it is also stable"
     return {
         "growth_rate": variable(("mass", damping, stiff), growth, "s-1", largest, r"max Re $s$"),
         "unstable_contact_stiffness": variable(damping, above, "N m-1", proved, "$k_c$"),
@@ -245,7 +245,7 @@ def draw(dataset: xr.Dataset) -> style.Figure:
         place = float(one.contact_damping), float(one)
         mass.annotate(f"{float(one):.2f} kg", place, (0, -12), textcoords="offset points", fontsize=6.5)
     mass.axhline(rigid, color=style.GREY, linewidth=0.9, linestyle="--", label=f"rigid contact: {rigid:.3f} kg")
-    style.frame(mass, "(a) critical mass; steady sliding is lost above", damping, "Critical mass $m_\\mathrm{cr}$ [kg]",
+    style.frame(mass, "(a) critical mass; unstable above", damping, "Critical mass $m_\\mathrm{cr}$ [kg]",
                 xscale="log", ylim=(0, 2 * rigid))  # fmt: skip
     mass.legend(loc="upper left")
     for axes, letter, rates in zip((heavy, light), "bc", dataset.growth_rate, strict=True):
@@ -259,7 +259,7 @@ def draw(dataset: xr.Dataset) -> style.Figure:
         style.frame(axes, title, stiffness, "Largest real part [s⁻¹], stable below 0", xscale="log")
     for value, colour in zip(dataset.unstable_contact_stiffness.values, _COLOURS, strict=False):
         heavy.axvline(value, color=colour, linewidth=0.9, linestyle=":")
-    words = "colours as in (c);\ndotted: from here\non unstable by\nLemma 8.1"
+    words = "colours as in (c);\ndotted: unstable\nbeyond here by\nLemma 8.1"
     heavy.text(0.03, 0.7, words, fontsize=6.5, transform=heavy.transAxes)
     light.legend(loc="lower left")
     _least(least, dataset)

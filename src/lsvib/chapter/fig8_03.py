@@ -22,8 +22,8 @@ from lsvib.pictures import drawing, style
 from lsvib.stability.spectrum import eigenvalue_pair
 
 CAPTION = """\
-Stability of the steady sliding over effective inertia and effective damping, from the eigenvalues (8.18) at each point
-of the plane. Colours and words name the class; node and focus meet on the black curve.
+Stability of steady sliding over effective inertia and effective damping, from the eigenvalues (8.18) at each point of
+the plane. Colours and words name the class; node and focus meet on the black curve.
 """
 
 _INERTIA = cf.attributes("kg m2", "effective inertia", r"$\Gamma_0$")
@@ -66,7 +66,7 @@ def build(settings: Values) -> xr.Dataset:
     along, words = "node_focus_effective_inertia", "effective damping where two eigenvalues meet"
     return xr.Dataset(
         {
-            "stability": cf.flagged(plane, kinds, "class of the steady sliding", Stability),
+            "stability": cf.flagged(plane, kinds, "class of steady sliding", Stability),
             "node_focus_effective_damping": cf.variable(along, met, "N m s rad-1", words, "$C_0$"),
         }
         | _many_drives(drive),

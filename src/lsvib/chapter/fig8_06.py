@@ -26,9 +26,9 @@ from lsvib.drives.names import MotionMode
 from lsvib.pictures import drawing, style
 
 CAPTION = """\
-Amplitude of the steady vibration against the axial force R for m = 1 kg and c_x = 1000 N s/m, with phase portraits at
-three forces below, insets in the chapter. Circles mark the forces of the portraits. Vibration sets in at the onset
-force, first touches rest at the stick force, and no longer reaches N = 0 beyond the detach force.
+Amplitude of the steady vibration over the axial force R for m = 1 kg and c_x = 1000 N s/m, with phase portraits at
+three forces below (insets in the chapter). Circles mark the forces of the portraits. Vibration sets in at the onset
+force, just touches rest at the stick force, and no longer reaches N = 0 beyond the detach force.
 """
 
 _THRESHOLDS = {"onset_force": "onset", "stick_force": "stick", "detach_force": "detach"}  # with words in the picture

@@ -21,11 +21,11 @@ from lsvib.pictures import drawing, style
 
 CAPTION = """\
 The four sectors of the phase plane in the region of Painlevé's paradoxes: no solution in the hatched sectors, two
-solutions in the others. The lines are zero contact force and zero velocity of the screw; the words give the signs of
-both, those of law − first, under which motions slip. Not in the chapter's figure: the motions, each drawn up to the end
-of the first seizure into which it slips, whence it goes on to the limit cycle. One seizes at its start so far to the
-right that the coupling holds the screw: it rests, the green bar, while the input turns on, u falling at the rate Ω,
-until the screw can slip forwards again.
+solutions in the others. The lines are zero contact force and zero velocity of the screw; the labels give the signs of
+both, first for law −, under which motions slip. Not in the chapter's figure: the motions, each drawn to the end of the
+first seizure into which it slips, after which it continues to the limit cycle. One seizes at its start, so far to the
+right that the coupling holds the screw: it rests (green bar) while the input turns on and u falls at the rate Ω, until
+the screw can slip forwards again.
 """
 
 _SECTORS = {"inconsistent": ("#F7D9C4", "////", "no solution"), "indeterminate": ("#FFFFFF", None, "two solutions")}

@@ -21,9 +21,9 @@ from lsvib.pictures import style
 from lsvib.stability.spectrum import eigenvalue_pair
 
 CAPTION = """\
-Eigenvalues (8.18) of the steady sliding against the translating mass: (a) real and (b) imaginary parts. Close to the
-critical mass the imaginary parts return to zero, where both eigenvalues meet and turn real; beyond it the effective
-inertia is negative and one eigenvalue is positive. Real parts diverge there; (a) cuts them.
+Eigenvalues (8.18) of steady sliding over the translating mass: (a) real and (b) imaginary parts. Close to the critical
+mass the imaginary parts return to zero, where both eigenvalues meet and become real; beyond it the effective inertia is
+negative and one eigenvalue is positive. The real parts diverge there and are cut off in (a).
 """
 
 _CRITICAL = {"color": style.BLACK, "linewidth": 0.8, "linestyle": ":", "label": r"critical mass $m_\mathrm{cr}$"}

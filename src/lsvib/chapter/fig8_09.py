@@ -16,7 +16,7 @@ from lsvib.pictures import drawing, style
 
 CAPTION = """\
 Trajectories of the rigid drive (a) below and (b) above the critical mass; triangles on the lines point forward in time.
-Below, the motion decays to steady sliding; above, it seizes (sprag) and slips for ever.
+Below, the motion decays to steady sliding; above, it seizes (sprag) and slips in turn for ever.
 """
 
 _SWEEP = "of the last case with another axial force, from the first start"
@@ -27,7 +27,7 @@ _PRINTED = ("Sect. 8.6", "Sect. 8.6.1")
 class Settings(PhasePlane):
     unused = ("mass",)
 
-    cases: list[DriveChanges] = several(2, 2, "Changes of `drive`, one a panel, the one below the critical mass first.")
+    cases: list[DriveChanges] = several(2, 2, "Changes to `drive`, one a panel, below the critical mass first.")
     axial_force: PositiveSpan = Field(description="R [N] over which a check follows the cycle.")
 
 

@@ -18,9 +18,10 @@ from lsvib.drives.model import model_of
 from lsvib.pictures import drawing, style
 
 CAPTION = """\
-Compliant threads, k_c = c_c = 10⁸ (SI): (a) phase plane beside the rigid drive's cycle; (b) contact force on a broken
-axis, its peaks in kN above and the sliding between them in N below. Not in the chapter: (c) peak (left) and distance to
-the rigid cycle (right) over R, which the text does not state. The dot is the force of (a) and (b), 50 N assumed.
+Compliant threads, k_c = c_c = 10⁸ (SI): (a) phase plane with the cycle of the rigid drive; (b) contact force on a
+broken axis, its peaks in kN above and the sliding between them in N below. Not in the chapter: (c) peak (left) and
+distance to the rigid cycle (right) over R, which the text does not state. The dot marks the force of (a) and (b), 50 N
+assumed.
 """
 
 _PEAK = ("N", "largest normal force on the cycle", "$N$")
@@ -34,7 +35,7 @@ class Settings(of.DriveFigure, of.Contact):
     start: of.State
     duration: of.Duration
     samples: of.Samples
-    axial_force: of.PositiveSpan = Field(description="R [N] over which the dependence on it is shown.")
+    axial_force: of.PositiveSpan = Field(description="R [N] over which the dependence is shown.")
 
 
 def build(settings: of.Values) -> xr.Dataset:

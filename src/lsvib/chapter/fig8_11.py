@@ -14,8 +14,8 @@ from lsvib.pictures import drawing, style
 
 CAPTION = """\
 Sprag–slip cycles of the rigid drive for three levels of support damping c (assumed), each with its line of zero contact
-force; triangles point forward in time. The screw slips to the left of the line, where N < 0. Seizure starts where the
-trajectory reaches it: to the right forward slip has no solution.
+force; triangles point forward in time. The screw slips to the left of the line, where N < 0, and seizes where the
+trajectory reaches it: to the right of it forward slip has no solution.
 """
 
 

@@ -19,8 +19,8 @@ from lsvib.pictures import style
 
 CAPTION = """\
 Sprag–slip cycle over the support damping c: (a) amplitude, (b) mean deflection of the coupling and (c) mean contact
-force, with the part of it that comes from the impulses of the seizures. Both rules of resuming after a seizure give
-these lines; they part below the damping at which the screw begins to rest, 31 × 10⁻⁶ N m s/rad.
+force, with the contribution of the seizure impulses. Both resume rules give these lines; they differ only below the
+damping at which the screw begins to rest, 31 × 10⁻⁶ N m s/rad.
 """
 
 _QUANTITIES = {

@@ -15,9 +15,9 @@ from lsvib.drives.mechanics import coefficients
 from lsvib.pictures import drawing, style
 
 CAPTION = """\
-Softer contacts (assumed values): (a) cycles, (b) coupling deflection. The drives have the same mass, 11 kg, but stand
-at different distances beyond their thresholds: steady sliding is lost at 9.65, 7.44 and 3.77 kg with these contacts, at
-10.11 kg with a rigid one (see contact_stability).
+Softer contacts (assumed values): (a) cycles, (b) coupling deflection. The drives have the same mass, 11 kg, but exceed
+their thresholds by different amounts: steady sliding is lost at 9.65, 7.44 and 3.77 kg with these contacts, at 10.11 kg
+with a rigid one (see contact_stability).
 """
 
 _CONTACT = ("contact_stiffness", "contact_damping")

@@ -30,10 +30,9 @@ from lsvib.words import plain
 CAPTION = """\
 Trajectories under a negative axial force, c = 1e-3 N m s/rad, (a) for R = −50 N and (b) for R = −10 N, as in the
 chapter, whose mass of 10 kg gives no limit cycle in (b). Not in the chapter: (c), (d) the same for m = 11 kg, beyond
-the critical mass as Sect. 8.7 assumes, where (d) has the limit cycle. Shaded are starts by the attractor of their
-motion, as the mapper of the region of attraction finds it. If motion resumes at once after a seizure, as in the
-chapter, seizures follow each other without end in the corner of (c) and (d) in which N = 0 and θ′ = 0 meet, which is
-reached in finite time; drawn are motions that resume by the sign of the contact force. See docs/physics.md.
+the critical mass as Sect. 8.7 assumes, where (d) has the limit cycle. Shading shows the attractor reached from each
+initial state. If motion resumes at once after a seizure, as in the chapter, seizures accumulate in finite time at the
+corner of N = 0 and θ′ = 0 in (c) and (d); those drawn resume by the sign of the contact force. See docs/physics.md.
 """
 
 _CHANGED = ("mass", "axial_force")  # in which the cases differ
@@ -42,8 +41,8 @@ _DISTANCES = np.concatenate([[0.0], np.geomspace(1e-4, 2.0, 60)])  # rad; the cy
 _FORCES = np.linspace(-40.0, -0.5, 80)  # N, over which the area of the basin is computed
 _ROUNDING = 16 * np.finfo(float).eps  # of the corner: a few rounding errors of u and of the line N = 0
 _STARTS = {  # colour of the starts by their attractor
-    "steady sliding": ("#E4F4E8", "starts that steady sliding attracts"),
-    "sprag slip cycle": ("#CCCCCC", "starts that the cycle attracts"),
+    "steady sliding": ("#E4F4E8", "attracted by steady sliding"),
+    "sprag slip cycle": ("#CCCCCC", "attracted by the cycle"),
 }
 
 
@@ -332,7 +331,7 @@ def draw(dataset: xr.Dataset) -> style.Figure:
 def _region(axes: style.Axes, case: xr.Dataset) -> None:
     """Shade the starts by the attractor of their motion."""
     labels, names = case.grid_attractor, flag_names(case.grid_attractor)
-    looks = {name: _STARTS.get(name, (style.PURPLE, f"starts that lead to {name}")) for name in names.values()}
+    looks = {name: _STARTS.get(name, (style.PURPLE, f"attracted by {name}")) for name in names.values()}
     colours = {name: colour for name, (colour, _) in looks.items()}
     drawing.regions(axes, case.grid_u, case.grid_w, labels.T, colours, zorder=0)
     for colour, words in (looks[names[flag]] for flag in np.unique(labels).tolist()):

@@ -26,10 +26,10 @@ CAPTION = """\
 Stability of the undamped drive with axial support, R Ω > 0, over friction coefficient and support stiffness, by the
 generalised eigenvalues of (8.23) at each point, with the boundaries (8.29) in closed form and the critical friction
 coefficient (8.27). Beyond the upper branch, where the effective inertia of the drive with a rigid support is negative,
-both modes diverge by (8.25). The chapter calls the horizontally hatched region the primary one of the kinematic
-constraint: there the reduced effective inertia is negative. The third region, of divergence, is not in the chapter; as
-the support stiffens it grows towards the instability of the rigid drive. The stiffness of the coupling is assumed,
-because Table 7.1 is not in the chapter; the boundaries of mode coupling are in proportion to it.
+both modes diverge by (8.25). In the horizontally hatched region, which the chapter calls the primary kinematic
+instability region, the reduced effective inertia is negative. The third region, of divergence, is not in the chapter;
+as the support stiffens it grows towards the instability of the rigid drive. The coupling stiffness is assumed, because
+Table 7.1 is not in the chapter; the boundaries of mode coupling are proportional to it.
 """
 
 _DAMPINGS = ("support_damping", "translation_damping", "axial_support_damping")
@@ -85,7 +85,7 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
     by_eigenvalues = bisected(turned, 0.0, largest)
     return xr.Dataset(
         {
-            "stability": flagged(plane, kinds, "class of the steady sliding", UndampedClass),
+            "stability": flagged(plane, kinds, "class of steady sliding", UndampedClass),
             "lower_boundary": variable(along, branches[:, 0], "N m-1", "lower boundary of mode coupling", "$k_1$"),
             "upper_boundary": variable(along, branches[:, 1], "N m-1", "upper boundary of mode coupling", "$k_1$"),
             "critical_friction": variable((), critical, "1", f"{word}, closed form", r"$\mu$"),

@@ -102,9 +102,9 @@ def _attracting_checks(dataset: xr.Dataset) -> list[Check]:
 fig8_04 = Figure(
     PhasePlane,
     """\
-Phase plane of the rigid drive under negative effective damping (8.19) with a contact force of the direction of motion
-(N_0 Ω > 0). Steady sliding, the origin, is unstable, and motions from inside and from outside settle on a limit cycle.
-Arrows point along time.
+Phase plane of the rigid drive with negative effective damping (8.19) and a contact force in the direction of motion
+(N_0 Ω > 0). Steady sliding, the origin, is unstable, and motions from inside and outside settle on a limit cycle.
+Arrows point forward in time.
 """,
     partial(
         plane,
@@ -117,8 +117,8 @@ Arrows point along time.
 fig8_05 = Figure(
     PhasePlane,
     """\
-Phase plane of the rigid drive under negative effective damping (8.19) with a contact force against the direction of
-motion (N_0 Ω < 0). Steady sliding, the origin, is stable. Arrows point along time.
+Phase plane of the rigid drive with negative effective damping (8.19) and a contact force against the direction of
+motion (N_0 Ω < 0). Steady sliding, the origin, is stable. Arrows point forward in time.
 """,
     partial(plane, figure="8.5", words="as in figure 8.4 but with N_0 Ω < 0: the origin is stable"),
     _attracting_checks,

@@ -21,8 +21,8 @@ from lsvib.stability.boundaries import place_values
 from lsvib.stability.spectrum import UndampedClass, eigenvalues, polynomial, reciprocal_squares, undamped_class
 
 CAPTION = """\
-Steady sliding with a rotating nut (drive of Table 8.1, force with the motion; mass and nut assumed): (a) the critical
-mass over the moment of inertia of the nut, by (8.33) and by eigenvalues, below that of the rigid drive (Remark 8.6);
+Stability of steady sliding with a rotating nut (drive of Table 8.1, force with the motion; mass and nut assumed): (a)
+the critical mass over the inertia of the nut, by (8.33) and by eigenvalues, below that of the rigid drive (Remark 8.6);
 (b) the classes by eigenvalues over friction coefficient and inertia of the nut, with the boundary (8.33). There is
 neither flutter nor divergence.
 """
@@ -61,7 +61,7 @@ def build(settings: Values) -> xr.Dataset:
     passing = bisected(passed, 0 * inertia, np.full(inertia.size, rigid))
     grid = {**values, "friction_coefficient": friction[:, None]}
     kinds, plane = undamped_class(grid, law=1), ("friction_coefficient", "nut_inertia")
-    holds = "friction coefficient from which on (8.33) holds, missing if from none"
+    holds = "friction coefficient above which (8.33) holds, missing if there is none"
     own, drawn, closed_form = drive.friction_coefficient, "drawn_friction_coefficient", "critical mass, in closed form"
     origin, deflection = cf.origin_of("friction_coefficient", own), float(coefficients(drive).deflection)
     by = "critical mass, where an eigenvalue 1/omega^2 passes through zero"
@@ -69,7 +69,7 @@ def build(settings: Values) -> xr.Dataset:
         {
             "critical_mass_with_nut": cf.variable("nut_inertia", closed, "kg", closed_form, r"$m_\mathrm{cr}$"),
             "critical_mass_with_nut_by_eigenvalues": cf.variable("nut_inertia", passing, "kg", by, r"$m_\mathrm{cr}$"),
-            "stability": cf.flagged(plane, kinds, "class of the steady sliding", UndampedClass, comment="undamped"),
+            "stability": cf.flagged(plane, kinds, "class of steady sliding", UndampedClass, comment="undamped"),
         },
         coords={
             "critical_friction_with_nut": cf.variable("nut_inertia", mu, "1", holds, r"$\mu$"),
@@ -165,7 +165,7 @@ def draw(dataset: xr.Dataset) -> style.Figure:
               label="by eigenvalues", clip_on=False)  # fmt: skip
     shade = {"color": _COLOURS["kinematic constraint"], "linewidth": 0}
     mass.fill_between(inertia, dataset.critical_mass_with_nut, 1.15 * rigid, **shade)
-    mass.axhline(rigid, color=style.BLACK, linewidth=0.9, linestyle="--", label=f"nut that cannot turn: {rigid:.3f} kg")
+    mass.axhline(rigid, color=style.BLACK, linewidth=0.9, linestyle="--", label=f"fixed nut: {rigid:.3f} kg")
     mass.axvline(screw, color=style.BLACK, linewidth=0.6, linestyle=":", label="$I_2 = I$")
     friction, drawn = dataset.friction_coefficient, float(dataset.drawn_friction_coefficient)
     title = rf"(a) critical mass, $\mu$ = {style.number(drawn)}"
