@@ -267,7 +267,7 @@ def _cycle(drive: Drive, viscous: float, offset: float) -> _Cycle:
 
     The torque of the motor is that of spring and damper to the command, which leaves drag of the bearing to the screw.
     """
-    from lsvib.dynamics.energy import work
+    from lsvib.dynamics.impulses import work
     from lsvib.stability.starting import end_from_rest
 
     if (orbit := end_from_rest(drive).orbit) is None:

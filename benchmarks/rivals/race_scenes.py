@@ -11,8 +11,7 @@ from benchmarks.truth import truth
 from lsvib.drives.automata import automaton_of
 from lsvib.drives.drive import Drive
 from lsvib.drives.mechanics import coefficients
-from lsvib.drives.model import Model, model_of
-from lsvib.drives.states import seated_state
+from lsvib.drives.model import Model, model_of, seated_state
 from lsvib.stability.boundaries import place_values
 from lsvib.stability.force_thresholds import threshold_force
 from lsvib.systems.automaton import Automaton

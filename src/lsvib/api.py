@@ -13,9 +13,8 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from lsvib.drives import drive
 from lsvib.drives.automata import automaton_of
-from lsvib.drives.command import Command
 from lsvib.drives.mechanics import Coefficients, coefficients
-from lsvib.drives.scene import Scene
+from lsvib.drives.scene import Command, Scene
 from lsvib.numbers import Progress
 from lsvib.results import StabilityReport, Threshold
 

@@ -16,6 +16,8 @@ class NoThreshold(InputError):
 class EngineError(LsvibError, RuntimeError):
     """The engine stopped for a reason that the caller must know; the sentence names it and a remedy."""
 
+    motion: object = None  # as far as it went, where following it raised this
+
 
 class WorkSpentError(EngineError):
     """A run needs more work than its caller allows."""
@@ -26,18 +28,7 @@ class UndecidedError(EngineError):
 
 
 class AccumulationError(EngineError):
-    """Infinitely many events accumulate, and the model does not say what follows.
-
-    Where it is raised it knows the ``time`` [s] and the ``mode``, as the engine counts it, at which the motion ended.
-    """
-
-    time, mode = 0.0, 0
-
-
-class BranchError(EngineError):
-    """No branch of a transition fits: the model does not say what follows an event; ``time`` and ``mode`` as above."""
-
-    time, mode = 0.0, 0
+    """Infinitely many events accumulate, and the model does not say what follows."""
 
 
 class DivergenceError(EngineError):

@@ -29,12 +29,13 @@ def flags(words: Words, none: bool = False) -> dict[str, Any]:
     """Return the CF attributes of numbers that words name, ``flag_values`` and ``flag_meanings``.
 
     ``words``: members of an ``IntEnum``, or words by their number, or words in the order of numbers from zero;
-    ``none``: −1 for none of them.
+    blanks in them become ``_``; ``none``: −1 for none of them.
     """
     known: Mapping[int, Any] = words if isinstance(words, Mapping) else dict(enumerate(words))
     pairs = [(int(w), w.name.lower()) if isinstance(w, IntEnum) else (k, w) for k, w in known.items()]
     named = dict(pairs) | ({-1: "none"} if none else {})
-    return {"flag_values": np.array(list(named), dtype=np.int8), "flag_meanings": " ".join(named.values())}
+    meanings = ("_".join(word.split()) for word in named.values())
+    return {"flag_values": np.array(list(named), dtype=np.int8), "flag_meanings": " ".join(meanings)}
 
 
 def attributes(units: str, long_name: str, symbol: str = "", **more: Any) -> dict[str, Any]:

@@ -14,8 +14,8 @@ import lsvib
 from lsvib.answers.io import read_dataset
 from lsvib.answers.sweep import product_of, write_chart
 from lsvib.drives.mechanics import coefficients
-from lsvib.dynamics.behaviour import Behaviour, behaviours
 from lsvib.dynamics.impulses import event_impulses
+from lsvib.dynamics.sweep import Behaviour, behaviours
 from lsvib.errors import NoThreshold
 from lsvib.stability.curves import ChartBoundary, _function, boundary_curves, starts_evenly
 from lsvib.stability.force_thresholds import threshold_force

@@ -12,9 +12,8 @@ import xarray as xr
 import lsvib
 from lsvib import files
 from lsvib.answers import io
-from lsvib.answers.io import read_dataset, write_dataset
+from lsvib.answers.io import read_dataset, table_of, write_dataset
 from lsvib.answers.map import gather_map, map_tile, rows_of
-from lsvib.answers.tables import table_of
 from lsvib.chapter.build import overview
 from lsvib.errors import InputError, LsvibError
 from lsvib.systems.grid import Grid

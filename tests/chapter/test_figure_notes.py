@@ -17,8 +17,8 @@ from lsvib.chapter.build import caption_of
 from lsvib.chapter.build import drawn as picture
 from lsvib.drives.automata import automaton_of
 from lsvib.drives.mechanics import coefficients
+from lsvib.drives.model import seated_state
 from lsvib.drives.names import RULES, Event, MotionMode
-from lsvib.drives.states import seated_state
 from lsvib.dynamics.impulses import seizure_impulse
 from lsvib.pictures import drawing as drawn
 from lsvib.pictures import style

@@ -8,9 +8,9 @@ import lsvib
 from lsvib import Drive
 from lsvib.answers.motion import Simulation, as_scene
 from lsvib.drives.automata import automaton_of
-from lsvib.drives.command import Command
+from lsvib.drives.model import standing_state
 from lsvib.drives.names import Event
-from lsvib.drives.states import standing_state
+from lsvib.drives.scene import Command
 from lsvib.errors import InputError
 from lsvib.systems.motion import Budget, follow
 

@@ -10,10 +10,9 @@ from references.sizes import sizes
 
 from lsvib import Drive
 from lsvib.drives.automata import automaton_of
-from lsvib.drives.command import Command
-from lsvib.drives.model import model_of
+from lsvib.drives.model import model_of, standing_state
 from lsvib.drives.names import Event
-from lsvib.drives.states import standing_state
+from lsvib.drives.scene import Command
 from lsvib.errors import InputError
 
 SLOW = {

@@ -17,8 +17,7 @@ from lsvib.answers.sweep import sweep
 from lsvib.drives import friction
 from lsvib.drives.automata import automaton_of
 from lsvib.drives.drive import PARTS
-from lsvib.drives.model import model_of
-from lsvib.drives.states import standing_state
+from lsvib.drives.model import model_of, standing_state
 from lsvib.errors import EngineError, InputError
 from lsvib.stability.boundaries import places
 from lsvib.stability.conditions import stability

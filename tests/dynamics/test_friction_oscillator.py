@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 from references.sizes import sizes
 
-from lsvib.drives.sliding import divided
+from lsvib.drives.automata import divided
 from lsvib.systems.attractor import Attractor, KnownCycles, end_of_motion, steady_state
 from lsvib.systems.automaton import Branch, Guard, Mode, Surface, Transition, assemble
 from lsvib.systems.continuation import follow_cycle

@@ -17,7 +17,7 @@ from lsvib.answers.map import mapper
 from lsvib.drives.automata import automaton_of
 from lsvib.drives.drive import PART_OF
 from lsvib.drives.many import ManyDrives, groups
-from lsvib.drives.states import standing_state
+from lsvib.drives.model import standing_state
 from lsvib.dynamics.sweep import all_endings, ending_of, endings_at_once
 from lsvib.errors import InputError
 from lsvib.systems.attractor import Attractor

@@ -26,8 +26,8 @@ from references.sizes import sizes
 import lsvib
 from lsvib import Drive
 from lsvib.drives.automata import automaton_of
+from lsvib.drives.model import seated_state, standing_state
 from lsvib.drives.names import Event
-from lsvib.drives.states import seated_state, standing_state
 from lsvib.errors import EngineError
 from lsvib.systems.attractor import Attractor, steady_state
 from lsvib.systems.cycles import cycle_of

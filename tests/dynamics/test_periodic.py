@@ -16,8 +16,7 @@ from references.sizes import sizes
 
 import lsvib
 from lsvib.answers.cycles import branch_dataset, branch_json
-from lsvib.drives.model import model_of
-from lsvib.drives.states import seated_state
+from lsvib.drives.model import model_of, seated_state
 from lsvib.dynamics.cycles import Cycle, random_starts
 from lsvib.errors import EngineError
 from lsvib.stability.force_thresholds import threshold_force

@@ -13,8 +13,7 @@ import numpy as np
 
 from lsvib import Drive
 from lsvib.drives.automata import automaton_of
-from lsvib.drives.model import model_of
-from lsvib.drives.states import standing_state
+from lsvib.drives.model import model_of, standing_state
 from lsvib.dynamics.cycles import Cycle
 from lsvib.errors import EngineError, InputError
 from lsvib.systems.attractor import steady_state

@@ -8,10 +8,10 @@ import numpy as np
 
 from lsvib import Drive
 from lsvib.drives.automata import automaton_of
-from lsvib.drives.command import Command
 from lsvib.drives.model import model_of
 from lsvib.drives.names import Event
-from lsvib.dynamics.energy import work
+from lsvib.drives.scene import Command
+from lsvib.dynamics.impulses import work
 from lsvib.errors import EngineError, InputError
 from lsvib.systems.attractor import steady_state
 from lsvib.systems.kernels import layout

@@ -7,8 +7,8 @@ from lsvib import Drive
 from lsvib.drives.pairings import PAIRINGS
 from lsvib.errors import InputError
 from lsvib.sheets.draw import Draw
-from lsvib.sheets.materials import NUT_MATERIALS, SCREW_MATERIALS
 from lsvib.sheets.sheet import Sheet
+from lsvib.sheets.threads import NUT_MATERIALS, SCREW_MATERIALS
 from lsvib.sheets.window import OperatingWindow
 
 CHAPTER = {

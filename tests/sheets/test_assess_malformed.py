@@ -14,7 +14,7 @@ from references.command_line import refused
 from references.random_sheets import LAW, sheet
 
 from lsvib.drives import friction
-from lsvib.sheets.draw import Draw
+from lsvib.sheets.draw import Draw, Operation
 from lsvib.sheets.fields import NotQuantity, quantity
 from lsvib.sheets.formulas import (
     coefficient_from_efficiency,
@@ -23,7 +23,6 @@ from lsvib.sheets.formulas import (
     square_coefficient,
 )
 from lsvib.sheets.from_rest import Starter, from_rest
-from lsvib.sheets.operation import Operation
 from lsvib.sheets.sheet import Load
 from lsvib.sheets.threads import thread_size
 

@@ -11,11 +11,10 @@ from lsvib import Drive
 from lsvib.drives import friction
 from lsvib.drives.automata import automaton_of
 from lsvib.drives.mechanics import coefficients, damping_by_slope
-from lsvib.drives.states import standing_state
+from lsvib.drives.model import standing_state
 from lsvib.sheets.assessment import assess
 from lsvib.sheets.changes import margins
-from lsvib.sheets.draw import Draw
-from lsvib.sheets.operation import Operation
+from lsvib.sheets.draw import Draw, Operation
 from lsvib.sheets.reserves import NAMES
 from lsvib.sheets.sheet import Sheet
 from lsvib.sheets.window import OperatingWindow, worst

@@ -18,8 +18,8 @@ from lsvib.errors import InputError
 from lsvib.pictures import style
 from lsvib.sheets import pictures
 from lsvib.sheets.assessment import assess
-from lsvib.sheets.chart import KINDS, charts
-from lsvib.sheets.operation import Operation
+from lsvib.sheets.draw import Operation
+from lsvib.sheets.from_rest import KINDS, charts
 from lsvib.sheets.report import compare
 from lsvib.sheets.sheet import Sheet
 from lsvib.sheets.vibration import STRONG

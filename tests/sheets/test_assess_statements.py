@@ -13,9 +13,8 @@ from lsvib.drives.model import model_of
 from lsvib.errors import InputError
 from lsvib.sheets.assessment import assess
 from lsvib.sheets.changes import ANY, margins
-from lsvib.sheets.draw import Draw
+from lsvib.sheets.draw import Draw, Operation
 from lsvib.sheets.formulas import lifting_efficiency, sliding_speed
-from lsvib.sheets.operation import Operation
 from lsvib.sheets.output import as_json
 from lsvib.sheets.report import brief, of_curve, report, said
 from lsvib.sheets.reserves import NAMES

@@ -8,9 +8,8 @@ from references.sizes import sizes
 from lsvib import Drive
 from lsvib.sheets.assessment import assess
 from lsvib.sheets.changes import changeable
-from lsvib.sheets.chart import KINDS, charts
-from lsvib.sheets.from_rest import Starter
-from lsvib.sheets.operation import Operation
+from lsvib.sheets.draw import Operation
+from lsvib.sheets.from_rest import KINDS, Starter, charts
 from lsvib.sheets.output import as_json
 from lsvib.sheets.report import brief, report
 from lsvib.sheets.sheet import Sheet

@@ -8,11 +8,10 @@ from references.sizes import sizes
 
 from benchmarks.sheets.own_sheets import OwnSheet
 from lsvib.errors import InputError
-from lsvib.sheets.assessment import assess
+from lsvib.sheets.assessment import assess, modes
 from lsvib.sheets.draw import Draw
 from lsvib.sheets.output import as_json
 from lsvib.sheets.report import said
-from lsvib.sheets.resonances import modes
 from lsvib.sheets.sheet import Sheet
 from lsvib.sheets.statics import statics
 from lsvib.sheets.window import OperatingWindow

@@ -7,9 +7,8 @@ import numpy as np
 
 import lsvib
 from lsvib.sheets.assessment import assess
-from lsvib.sheets.draw import Draw
+from lsvib.sheets.draw import Draw, Operation
 from lsvib.sheets.from_rest import Starter
-from lsvib.sheets.operation import Operation
 from lsvib.sheets.report import brief
 from lsvib.sheets.sheet import Sheet
 from lsvib.stability.solve import bracketed_root

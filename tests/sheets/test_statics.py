@@ -13,11 +13,10 @@ from lsvib.cli.pages import app
 from lsvib.sheets.assessment import assess
 from lsvib.sheets.draw import Draw
 from lsvib.sheets.drive_entries import Coupling
-from lsvib.sheets.materials import SCREW_MATERIALS
 from lsvib.sheets.report import brief, report
 from lsvib.sheets.sheet import Friction, Nut, Screw, Sheet, Thread
 from lsvib.sheets.statics import ENDS, column_load, critical_speed, lets_go, nut_pressure, statics
-from lsvib.sheets.threads import thread_size
+from lsvib.sheets.threads import SCREW_MATERIALS, thread_size
 
 INCH, POUND = 0.0254, 4.4482216152605
 LOAD, WEIGHT = {"mass": "25 kg", "orientation": "vertical"}, 25 * 9.80665

@@ -7,8 +7,7 @@ import pytest
 import yaml
 
 from lsvib.sheets.assessment import assess
-from lsvib.sheets.draw import Draw
-from lsvib.sheets.operation import Operation
+from lsvib.sheets.draw import Draw, Operation
 from lsvib.sheets.report import brief
 from lsvib.sheets.sheet import Sheet
 from lsvib.sheets.window import OperatingWindow, worst

@@ -13,8 +13,7 @@ import lsvib
 from lsvib import Attractor, Drive, NoThreshold
 from lsvib.drives.automata import automaton_of
 from lsvib.drives.drive import PARTS
-from lsvib.drives.model import model_of
-from lsvib.drives.states import standing_state
+from lsvib.drives.model import model_of, standing_state
 from lsvib.stability.starting import runs_evenly
 from lsvib.systems.motion import enter
 

@@ -23,7 +23,7 @@ from lsvib import Drive
 from lsvib.drives import chapter
 from lsvib.drives.automata import automaton_of
 from lsvib.drives.mechanics import coefficients
-from lsvib.drives.states import seated_state
+from lsvib.drives.model import seated_state
 from lsvib.dynamics.boundary import Boundary, basin
 from lsvib.stability.force_thresholds import threshold_force
 from lsvib.stability.threshold import solve_threshold

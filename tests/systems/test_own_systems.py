@@ -358,5 +358,7 @@ def test_motions_without_an_answer_end_in_one_sentence():
             motion(system, mode, start, 10)
     two = STOPS.replace(harmonics={"c, s": "w", "d, e": "sqrt(2)"})
     assert np.isfinite(motion(two, "back", {}, 10).end_state).all()
-    with pytest.raises(InputError, match="no common period"):
+    with pytest.raises(InputError, match="none is a multiple of all others"):
         end_of(two, "back")
+    again = STOPS.replace(harmonics={"c, s": "2", "d, e": "3"}, clocks={"t": "2*pi"})
+    assert end_of(again, "back").period == pytest.approx(2 * math.pi)

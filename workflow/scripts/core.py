@@ -7,7 +7,7 @@ LAW = {"stribeck_rise": 0.02, "stribeck_speed": 0.01}
 
 with logged(snakemake):
     from lsvib import Drive
-    from lsvib.dynamics.energy import work
+    from lsvib.dynamics.impulses import work
     from lsvib.files import write_text
     from lsvib.systems.attractor import compile_rule
     from lsvib.systems.motion import compile_engine

@@ -17,7 +17,7 @@ from benchmarks.judge import Record
 from benchmarks.rivals.hybrid import Clock, Hybrid
 from benchmarks.rivals.race_scenes import RaceScene
 from lsvib.drives.mechanics import coefficients
-from lsvib.drives.states import seated_state
+from lsvib.drives.model import seated_state
 from lsvib.systems.kernels.jit import entry
 
 _TOLERANCE = 1e-8  # relative; below the error of any width ε

@@ -14,20 +14,8 @@ import numpy as np
 from lsvib.drives import chapter
 from lsvib.drives.drive import Drive
 from lsvib.drives.observables import words_of
-from lsvib.variables import CONVENTIONS as CONVENTIONS
-from lsvib.variables import Dims as Dims
-from lsvib.variables import Variable as Variable
-from lsvib.variables import Variables as Variables
-from lsvib.variables import answer as answer
-from lsvib.variables import attributes as attributes
-from lsvib.variables import counted as counted
-from lsvib.variables import flag_names as flag_names
-from lsvib.variables import flagged as flagged
-from lsvib.variables import flags as flags
-from lsvib.variables import named as named
-from lsvib.variables import named_index as named_index
-from lsvib.variables import variable as variable
-from lsvib.variables import yes_no as yes_no
+from lsvib.variables import *  # noqa: F403  # all that variables of any dataset have
+from lsvib.variables import Dims, Variables, attributes, flags, named_index, variable
 
 
 def about_drive(drive: Drive, parameters: Iterable[tuple[str, Any]]) -> dict[str, str]:

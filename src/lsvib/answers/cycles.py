@@ -2,14 +2,15 @@
 
 import json
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from functools import lru_cache
-from typing import Any, cast
+from typing import Any
 
+import numpy as np
 import xarray as xr
 
 from lsvib import numbers, words
-from lsvib.answers.attributes import about_drive, answer, flagged, given, varied
+from lsvib.answers import attributes as cf
 from lsvib.answers.sweep import known_key
 from lsvib.drives import friction
 from lsvib.drives.drive import IN_WORDS, PART_OF, Drive, zero_if_close
@@ -18,13 +19,12 @@ from lsvib.dynamics.boundary import Boundary, known_basin
 from lsvib.dynamics.curves import Arc, state_on
 from lsvib.dynamics.cycles import Cycle, random_starts, starts
 from lsvib.errors import EngineError, InputError
-from lsvib.systems import answers as systems
-from lsvib.systems.answers import branch_variables
 from lsvib.systems.attractor import Attractor, SteadyState, shrinks_areas
 from lsvib.systems.automaton import Automaton
 from lsvib.systems.continuation import CycleBranch, follow_cycle, span_of
 from lsvib.systems.cycles import cycle_from, search
 from lsvib.systems.motion import enter
+from lsvib.systems.system import MADE_BY
 
 
 @dataclass(frozen=True)
@@ -62,15 +62,15 @@ class Cycles:
         yield from filter(None, (self.proved, self.searched))
         if not self.cycles:
             yield f"no cycle found{' from the starts that are resolved' if self.unresolved else ''}"
-        for cycle in map(Cycle.to_json, self.cycles):
+        for one in self.cycles:
+            cycle = one.to_json()
             yield f"{words.plain(cycle['label'])}, {cycle['stability']} (found by: {cycle['found_by']})"
-            error, work = cycle["multiplier_error"], cycle["work"]
-            multipliers = ", ".join(map(_multiplier, cycle["multipliers"]))
+            work = cycle["work"]
             motor, load, *losses = (f"{key} {work[key]:.6g} J" for key in _WORKS)
             rows = [
                 ("period", f"{cycle['period']:.12g} s, {1 / cycle['period']:.6g} Hz"),
                 ("amplitude", f"{cycle['amplitude']:.12g} rad"),
-                ("multipliers", multipliers if error is None else f"{multipliers} (± {error:.1g})"),
+                ("multipliers", one.multipliers_in_words()),
                 ("residual", f"{cycle['residual']:.1g}"),
                 ("work per cycle", f"done by {motor}, {load}"),
                 ("", f"dissipated by {', '.join(losses)}"),
@@ -82,12 +82,6 @@ class Cycles:
 
 
 _WORKS = ("motor", "load", "friction", "damping", "impacts")
-
-
-def _multiplier(value: float | list[float] | None) -> str:
-    if value is None:
-        return "none"
-    return f"{value:.9g}" if isinstance(value, float) else f"{value[0]:.9g} {value[1]:+.9g}i"
 
 
 def find_cycles(drive: Drive, automaton: Automaton) -> Cycles:
@@ -163,24 +157,52 @@ def followed(
 
 
 def branch_dataset(branch: CycleBranch) -> xr.Dataset:
-    """Return a branch of cycles as a dataset along ``point``; its changes are an attribute."""
-    cycles = [cast(Cycle, point.cycle) for point in branch.points]
-    drive = cycles[0].drive
-    fixed = [(key, value) for key, value in drive if key != branch.parameter]
-    data = varied("point", **{branch.parameter: [point.value for point in branch.points]})
-    data |= branch_variables(branch, "rad")
-    data["attractor"] = flagged("point", [cycle.label for cycle in cycles], "kind of cycle", Attractor)
-    about = {
-        "title": f"A cycle of the lead-screw drive over {branch.parameter}",
-        "source": "lsvib, Newton's method on the exact return map, pseudo-arclength continuation",
-        "references": "doi:10.1007/978-1-4419-1752-2_8",
-        "changes": json.dumps(branch_json(branch)["changes"]),
+    """Return a branch of cycles, of a drive or of any system, along ``point``; its changes are an attribute."""
+    cycles, values = [point.cycle for point in branch.points], [point.value for point in branch.points]
+    of_drive, parts = isinstance(cycles[0], Cycle), np.array([cycle.multipliers for cycle in cycles])
+    table = {
+        "along": ([point.along for point in branch.points], "1", "length of the branch from its start"),
+        "period": ([cycle.period for cycle in cycles], "s", "period of the cycle", "$T$"),
+        "amplitude": ([x.amplitude for x in cycles], "rad" if of_drive else "1", "amplitude, half its peak-to-peak"),
+        "multiplier_error": ([cycle.multiplier_error for cycle in cycles], "1", "bound of the multipliers' errors"),
+        "period_residual": ([cycle.residual for cycle in cycles], "1", "change of the state over a period"),
     }
-    return answer(data | given(fixed), {}, about_drive(drive, fixed) | about)
+    data = {branch.parameter: cf.variable("point", values, "1", f"parameter {branch.parameter}")}
+    data |= cf.columns("point", table)
+    data["attracting"] = cf.yes_no("point", [cycle.attracting for cycle in cycles], "whether the cycle attracts")
+    for part, word in (("real", "real"), ("imag", "imaginary")):
+        dims, words_of = ("point", "multiplier_number"), f"{word} part of the Floquet multipliers"
+        own = getattr(parts, part).reshape(len(cycles), -1)
+        data[f"multiplier_{word}_part"] = cf.variable(dims, own, "1", words_of)
+    about = {"title": f"A cycle of a system over {branch.parameter}", **MADE_BY}
+    if isinstance(cycles[0], Cycle):
+        drive = cycles[0].drive
+        fixed = [(key, value) for key, value in drive if key != branch.parameter]
+        data |= cf.varied("point", **{branch.parameter: values}) | cf.given(fixed)
+        data["attractor"] = cf.flagged("point", [cycle.label for cycle in cycles], "kind of cycle", Attractor)
+        about = cf.about_drive(drive, fixed) | {
+            "title": f"A cycle of the lead-screw drive over {branch.parameter}",
+            "source": "lsvib, Newton's method on the exact return map, pseudo-arclength continuation",
+            "references": "doi:10.1007/978-1-4419-1752-2_8",
+        }
+    return cf.answer(data, {}, about | {"changes": json.dumps(branch_json(branch)["changes"])})
 
 
 def branch_json(branch: CycleBranch) -> dict[str, Any]:
     """Return a branch as plain numbers and names."""
-    found, cycles = systems.branch_json(branch), [point.cycle for point in branch.points]
-    points = zip(found["points"], cycles, strict=True)
-    return found | {"points": [point | {"label": cycle.label.name.lower()} for point, cycle in points]}
+    names = ("attracting", "period", "amplitude", "residual")
+    points: list[dict[str, Any]] = []
+    for x in branch.points:
+        label = {"label": x.cycle.label.name.lower()} if isinstance(x.cycle, Cycle) else {}
+        own = {name: getattr(x.cycle, name) for name in names}
+        points.append({"value": x.value, **label, **own, "multipliers": x.cycle.to_json_multipliers()})
+    return {"parameter": branch.parameter, "points": points, "changes": [asdict(x) for x in branch.changes]}
+
+
+def branch_text(branch: CycleBranch) -> Iterator[str]:
+    """Say a branch in lines."""
+    name, values = branch.parameter, [point.value for point in branch.points]
+    yield f"{len(values)} cycles, {name} from {min(values):.9g} to {max(values):.9g}"
+    for change in branch.changes:
+        kind = f"{change.kind} ({change.name})" if change.name not in ("", change.kind) else change.kind
+        yield f"{kind} at {name} = {change.value:.12g}: {change.what}"

@@ -14,16 +14,14 @@ import xarray as xr
 
 from lsvib import numbers, words
 from lsvib.answers import attributes as cf
-from lsvib.answers.io import write_dataset
+from lsvib.answers.io import on_screen, write_dataset
 from lsvib.answers.spans import spaced
-from lsvib.answers.tables import on_screen
 from lsvib.drives.complaints import meant
 from lsvib.drives.drive import Drive, require_direction
 from lsvib.drives.many import ManyDrives
 from lsvib.drives.model import model_of
 from lsvib.drives.scene import REST
-from lsvib.dynamics.behaviour import Behaviour, behaviours
-from lsvib.dynamics.sweep import all_endings
+from lsvib.dynamics.sweep import Behaviour, all_endings, behaviours
 from lsvib.errors import InputError
 from lsvib.files import File
 from lsvib.numbers import names_and_values

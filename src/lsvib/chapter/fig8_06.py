@@ -73,7 +73,7 @@ def analysis(settings: Values) -> xr.Dataset:
 def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
     """Compute the amplitude curve between the thresholds of the analysis, and the inset portraits."""
     from lsvib.answers.sweep import product_of
-    from lsvib.dynamics.behaviour import Behaviour, behaviours
+    from lsvib.dynamics.sweep import Behaviour, behaviours
 
     drive = Drive.of(settings["drive"])
     masses = settings["mass_readings"]

@@ -19,8 +19,8 @@ from lsvib.chapter.common import Motion
 from lsvib.drives.automata import automaton_of
 from lsvib.drives.drive import Drive
 from lsvib.drives.mechanics import coefficients
+from lsvib.drives.model import seated_state
 from lsvib.drives.names import RULES, Event
-from lsvib.drives.states import seated_state
 
 # All assumed: Γ₊ < 0, and forces of both signs and dampings with which impacts reach every branch.
 _MASS, _FORCES, _DAMPINGS, _DURATION = 15.0, (60.0, -20.0), (1e-4, 2e-3), 0.004  # kg, N, N m s/rad, s

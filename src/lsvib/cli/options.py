@@ -114,10 +114,6 @@ Ends = Annotated[Span, one(_span, "KEY=LOW:HIGH: the parameter and its range, wi
 Window = Annotated[
     list[Span] | None, several(_span, "Part of the phase plane: u=LOW:HIGH w=LOW:HIGH.", consume_multiple=True)
 ]
-Box = Annotated[
-    list[Span] | None,
-    several(_span, "Of a system: KEY=LOW:HIGH of states, to draw starts from.", consume_multiple=True),
-]
 GridOfStarts = Annotated[
     list[Steps | Coordinate],
     several(
@@ -138,10 +134,12 @@ Picture = Annotated[Path | None, Parameter(help="PNG file to draw it to; a PDF i
 AsJson = Annotated[bool, Parameter(name="--json", negative="", help="Print one JSON object.")]
 
 
-def drive_of(changes: list[Pair] | None) -> "Drive":
-    """Return the drive of Table 8.1 with changes; raises ``InputError``."""
+def drive_of(changes: list[Pair] | None, **others: Any) -> "Drive":
+    """Return the drive of Table 8.1 with changes; raises ``InputError``, also for options that drives do not have."""
     from lsvib.api import Drive
 
+    for key in (key for key, given in others.items() if given):
+        raise InputError(f"{key} is for systems, which --system names.")
     return Drive.of(dict(changes or ()))
 
 
@@ -205,8 +203,7 @@ class Files:
 
     def write(self, dataset: "xr.Dataset", command: str = "lsvib", kind: str | None = None) -> None:
         """Write a dataset, and the picture of it, of a ``kind``."""
-        from lsvib.answers.io import write_dataset
-        from lsvib.answers.tables import table_of
+        from lsvib.answers.io import table_of, write_dataset
         from lsvib.files import replacing
 
         with replacing(*self.paths) as parts:

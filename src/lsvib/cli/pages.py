@@ -106,8 +106,8 @@ def _assess_variants(table: Path, base: Path | None, out: Path | None, samples: 
     """Assess each row of a table, and write or show the table of answers."""
     Files(out, reads=table, ends=[".csv"])
     with _installed("assess", "assess"):
-        from lsvib.answers.tables import on_screen, records
-        from lsvib.sheets.variants import ON_SCREEN, assess_variants
+        from lsvib.answers.io import on_screen, records
+        from lsvib.sheets.output import ON_SCREEN, assess_variants
     rows = assess_variants(table, base, samples, seed, ProgressLine("variants"))
     if out:
         write_text(rows.to_csv(index=False, lineterminator="\n"), out)

@@ -9,9 +9,8 @@ from flint import arb
 from lsvib.drives import friction
 from lsvib.drives.drive import IN_WORDS, PARTS, Drive
 from lsvib.drives.mechanism import Mechanism
-from lsvib.drives.model import model_of
+from lsvib.drives.model import model_of, seated
 from lsvib.drives.names import BODIES, WORDS
-from lsvib.drives.states import seated
 from lsvib.systems.exact.arithmetic import many_digits
 
 _OWN = {

@@ -14,7 +14,7 @@ import numpy as np
 from lsvib.drives import friction
 from lsvib.drives.automata import modes_of
 from lsvib.drives.drive import DRY, Drive
-from lsvib.drives.states import seated, standing
+from lsvib.drives.model import seated, standing
 from lsvib.errors import EngineError
 from lsvib.systems.automaton import Automaton
 from lsvib.systems.exact.arithmetic import Divided, double

@@ -15,7 +15,7 @@ class Powers:
     """The powers of a drive as quadratic forms of (x, 1), mode by mode.
 
     A row is an affine function of the state: coefficients over x, then the constant. The product of two rows is a
-    symmetric form over (x, 1), whose integral along a motion :mod:`lsvib.dynamics.energy` knows in closed form. Rows:
+    symmetric form over (x, 1), whose integral along a motion :mod:`lsvib.dynamics.impulses` knows in closed form. Rows:
     ``screw``, θ′ [rad/s]; ``nut``, x′ [m/s]; ``slip``, the speed of the threads [rad/s]; ``rates``, those of the parts
     that are there, by the names of the coordinates; ``rows``, those of observables by name and mode. Under a friction
     law, ``by_speed``, what friction takes out is a pair of forms, the second of which counts η times.

@@ -9,10 +9,9 @@ import numpy as np
 
 from lsvib.drives.drive import PARTS, Drive
 from lsvib.drives.mechanics import coefficients
+from lsvib.drives.model import seated_state
 from lsvib.drives.names import BODIES
-from lsvib.drives.states import seated_state
-from lsvib.dynamics.energy import Work, work
-from lsvib.dynamics.impulses import Impulses, event_impulses
+from lsvib.dynamics.impulses import Impulses, Work, event_impulses, work
 from lsvib.systems import cycles
 from lsvib.systems.kernels.layout import GRAZE_KIND
 
@@ -40,22 +39,13 @@ class Cycle(cycles.Cycle):
 
     def to_json(self) -> dict[str, Any]:
         """Return what is known of the cycle, as plain numbers and names."""
-        taken, known = self.work, (name for name in ("attracting", "repelling", "neutral") if getattr(self, name))
-        return {
-            "label": self.label.name.lower(),
-            "attracting": self.attracting,
-            "stability": next(known, "not known"),  # no multipliers, as infinitely many events have no derivative
-            "period": self.period,
-            "amplitude": self.amplitude,
-            "multipliers": self.to_json_multipliers(),
-            "multiplier_error": _finite(self.multiplier_error),
-            "state": [float(x) for x in self.state],
-            "residual": self.residual,
-            "found_by": self.found_by,
+        taken = self.work
+        efficiency = taken.efficiency if math.isfinite(taken.efficiency) else None
+        return {"label": self.label.name.lower(), **super().to_json()} | {
             "itinerary": self._events(),
             "extremes": {name: list(ends) for name, ends in self.extremes.items()},
             "means": self.means,
-            "work": asdict(taken) | {"balance": taken.balance, "efficiency": _finite(taken.efficiency)},
+            "work": asdict(taken) | {"balance": taken.balance, "efficiency": efficiency},
         }
 
     def _events(self) -> list[dict[str, Any]]:
@@ -69,10 +59,6 @@ class Cycle(cycles.Cycle):
                 event |= {f"{name}_impulse": float(each[k]) for name, each in impulses.items()}
             found.append(event)
         return found
-
-
-def _finite(value: float) -> float | None:
-    return float(value) if math.isfinite(value) else None
 
 
 def swing(drive: Drive) -> tuple[float, float]:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from lsvib.answers.attributes import flag_names, named, quantity
+from lsvib.answers.attributes import flag_names, named, quantity, variable
 from lsvib.answers.io import read_dataset
 from lsvib.answers.phase_plane import curve, lines, orbits
 from lsvib.drives.drive import Drive
@@ -62,21 +62,23 @@ def _dataset(answer: Any) -> xr.Dataset:
     """The dataset of what a method of a drive returned, which has loaded the engine by then."""
     from lsvib.answers.cycles import Cycles, branch_dataset
     from lsvib.dynamics.boundary import Basin
-    from lsvib.dynamics.cycles import Cycle
-    from lsvib.systems import answers
+    from lsvib.systems import End
     from lsvib.systems.continuation import CycleBranch
 
     if isinstance(answer, CycleBranch):
-        return (branch_dataset if isinstance(answer.points[0].cycle, Cycle) else answers.branch_dataset)(answer)
-    if isinstance(answer, answers.Ends) and answer.cycles:
-        return answers.orbits(answer)
+        return branch_dataset(answer)
+    if isinstance(answer, list) and (ends := [one for one in answer if isinstance(one, End) and one.cycle]):
+        names, dims = [*ends[0].state], ("cycle", "sample")
+        states = np.array([one.cycle.orbit.at(np.linspace(0.0, one.period, 4001))[0] for one in ends if one.cycle])
+        data = {name: variable(dims, states[..., k], "1", f"state {name}") for k, name in enumerate(names)}
+        return xr.Dataset(data, {"cycle": np.arange(len(ends)) + 1}, {"system": json.dumps({"states": names})})
     steady = {name: ((), 0.0, quantity(name)) for name in ("u", "w")}
     if isinstance(answer, Basin) and answer.curves:
         return xr.Dataset(steady | curve("boundary", "boundary_point", answer.line(), "on the exact boundary"))
     if isinstance(answer, Cycles) and answer.cycles:
         attracting = ("cycle", [cycle.attracting for cycle in answer.cycles])
         return xr.Dataset(steady | orbits([cycle.orbit for cycle in answer.cycles]) | {"attracting": attracting})
-    empty = {Basin: "a basin without a boundary", Cycles: "what has no cycle", answers.Ends: "what has no cycle"}
+    empty = {Basin: "a basin without a boundary", Cycles: "what has no cycle"}
     raise InputError(f"{empty.get(type(answer), shown(answer))} cannot be drawn; {_CAN}.")
 
 
@@ -105,13 +107,13 @@ def _picture(dataset: xr.Dataset, kind: str | None) -> style.Figure:
         return kinds.get(kind or "", _motion)(dataset)
     if "attracting" in dataset and "changes" in dataset.attrs:
         return _branch(dataset)
-    if own and "label" not in dataset:
+    if own and "behaviour" not in dataset:
         return _states(dataset)
     if not own and {"label", "cycle_u", "boundary_u"} & set(dataset):
         return attraction.draw(dataset)
-    swept = tuple(x for x in (dataset["label"].dims if own else dataset.dims) if own or x in Drive.model_fields)
+    swept = dataset["behaviour"].dims if own else tuple(x for x in dataset.dims if x in Drive.model_fields)
     numbers = [name for name, x in dataset.data_vars.items() if x.dims == swept and x.dtype.kind in _NUMBERS]
-    if not {"attractor", "label"} & {*numbers} or len(swept) not in (1, 2):
+    if ("behaviour" if own else "attractor") not in numbers or len(swept) not in (1, 2):
         raise InputError(f"a dataset over {', '.join(map(str, dataset.dims)) or 'nothing'} cannot be drawn; {_CAN}.")
     return _curves(dataset[numbers]) if len(swept) == 1 else chart.draw(dataset)
 

@@ -1,7 +1,6 @@
 """Sweep over two parameters: what the drive does as colour, the exact curves on top, each with its name."""
 
 from collections.abc import Iterator
-from itertools import cycle
 from typing import Any
 
 import numpy as np
@@ -29,16 +28,12 @@ _CURVES = {  # words on a curve, where they are not its name, and how it is draw
     "negative damping": (r"negative damping, $C_+ = 0$", (0, (1.5, 1))),
     "even speed": ("even from rest", "-"),
 }
-
-
 _OTHERS = (style.GREEN, style.ORANGE, style.SKY, style.PURPLE, style.BLUE, style.YELLOW, style.VERMILION, style.WINE)
 
 
 def looks(kinds: xr.DataArray) -> dict[str, tuple[str, str]]:
     """Return colour and words of the legend by kind; kinds without a look of their own have a colour each, in turn."""
-    names = flag_names(kinds).values()
-    others = cycle(_OTHERS)
-    return {name: LOOKS.get(name) or (next(others), name) for name in names}
+    return {name: LOOKS.get(name, (_OTHERS[k % 8], name)) for k, name in enumerate(flag_names(kinds).values())}
 
 
 def kinds(dataset: xr.Dataset) -> xr.DataArray:

@@ -13,9 +13,8 @@ from lsvib.sheets.changes import MOST, Asker, damping_sizes, knocked
 from lsvib.sheets.draw import PAIRS, Draw
 from lsvib.sheets.formulas import FRICTION, torque
 from lsvib.sheets.from_rest import Starter
-from lsvib.sheets.materials import pairings
 from lsvib.sheets.statics import worsened
-from lsvib.sheets.threads import ThreadSize, catalogue
+from lsvib.sheets.threads import ThreadSize, catalogue, pairings
 from lsvib.sheets.words import BUY, QUANTITIES
 
 NEAR = 2.0  # the factor within which one change is enough, and each of two

@@ -14,11 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lsvib.drives.drive import PARTS, STATIC
-from lsvib.sheets.draw import PAIRS, Draw
+from lsvib.sheets.draw import PAIRS, Draw, Operation
 from lsvib.sheets.fields import LARGEST_HALF_ANGLE
 from lsvib.sheets.formulas import Values
 from lsvib.sheets.from_rest import Starter, places, speeds
-from lsvib.sheets.operation import Operation
 from lsvib.sheets.reserves import NAMES
 from lsvib.sheets.vibration import UNDECIDED
 from lsvib.sheets.window import OperatingWindow, worst

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lsvib.drives.automata import automaton_of
-from lsvib.drives.command import Command
 from lsvib.drives.drive import Drive
 from lsvib.drives.model import model_of
+from lsvib.drives.scene import Command
 from lsvib.errors import EngineError, InputError, WorkSpentError
 from lsvib.sheets.drive_entries import Move
 from lsvib.sheets.formulas import Values

@@ -14,7 +14,7 @@ from matplotlib.ticker import EngFormatter
 
 from lsvib.pictures import style
 from lsvib.sheets.assessment import AssessedMotion, Assessment
-from lsvib.sheets.chart import KINDS, Chart
+from lsvib.sheets.from_rest import KINDS, Chart
 from lsvib.sheets.words import MECHANISMS, entry_name
 
 WIDTH = 3.7  # inch: on a phone one to one

@@ -19,21 +19,18 @@ from lsvib.drives import friction
 from lsvib.errors import InputError
 from lsvib.files import write_json, write_text
 from lsvib.sheets import words
-from lsvib.sheets.assessment import Assessment
+from lsvib.sheets.assessment import Assessment, modes
 from lsvib.sheets.catalogue import STEPS, Purchase
 from lsvib.sheets.changes import Change, applied
-from lsvib.sheets.chart import Chart
 from lsvib.sheets.draw import Draw
 from lsvib.sheets.fields import Spread
 from lsvib.sheets.formulas import FRICTION, sliding_speed
-from lsvib.sheets.from_rest import BEYOND
-from lsvib.sheets.materials import NUT_MATERIALS
+from lsvib.sheets.from_rest import BEYOND, Chart
 from lsvib.sheets.motor import LIMITED
 from lsvib.sheets.move import SETTLED
-from lsvib.sheets.resonances import modes
 from lsvib.sheets.sheet import Sheet
 from lsvib.sheets.statics import Statics, lets_go, statics
-from lsvib.sheets.threads import ThreadSize
+from lsvib.sheets.threads import NUT_MATERIALS, ThreadSize
 from lsvib.sheets.words import shown
 
 EFFORTS = {"lifting": "against the load", "lowering": "with the load", "braking": "to brake where the load drives it"}

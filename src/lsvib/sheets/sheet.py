@@ -17,8 +17,7 @@ from lsvib.numbers import names_and_values, shown, whole_between
 from lsvib.sheets import fields
 from lsvib.sheets.drive_entries import Bearing, Brake, Coupling, Dampings, Guide, Motor, Part, Running
 from lsvib.sheets.fields import NotQuantity, Spread
-from lsvib.sheets.materials import NUT_MATERIALS, SCREW_MATERIALS, common_name, pairings
-from lsvib.sheets.threads import Size
+from lsvib.sheets.threads import NUT_MATERIALS, SCREW_MATERIALS, Size, common_name, pairings
 from lsvib.sheets.torque.law import law_of_curve
 from lsvib.sheets.words import QUANTITIES
 

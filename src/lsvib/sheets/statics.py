@@ -17,9 +17,9 @@ from lsvib.errors import InputError
 from lsvib.sheets import motor, window
 from lsvib.sheets.draw import Draw
 from lsvib.sheets.formulas import Values, flank_coefficient, sliding_speed, torque
-from lsvib.sheets.materials import NUT_MATERIALS, SCREW_MATERIALS
 from lsvib.sheets.motor import Floats, Judged
 from lsvib.sheets.sheet import Sheet
+from lsvib.sheets.threads import NUT_MATERIALS, SCREW_MATERIALS
 from lsvib.sheets.uncertainty import ends
 from lsvib.sheets.words import ABOUT, TORQUE_PARTS, VERDICTS, WEAK, percent, shown, size
 

@@ -1,4 +1,4 @@
-"""Threads of the catalogues by name, as makers print them: metric trapezoidal, Acme, metric and Unified."""
+"""Threads of the catalogues by name, as makers print them: metric trapezoidal, Acme, metric and Unified; materials."""
 
 import math
 import re
@@ -6,10 +6,11 @@ from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cache, partial
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 from pydantic import BeforeValidator
 
+from lsvib.drives.pairings import PAIRINGS
 from lsvib.drives.scene import read_yaml
 from lsvib.numbers import shown
 from lsvib.sheets.fields import NotQuantity
@@ -168,3 +169,52 @@ def _inches(text: str) -> float:
 
 
 Size = Annotated[ThreadSize, BeforeValidator(thread_size)]
+
+
+_TABLE: dict[str, Any] = read_yaml(Path(__file__).with_name("materials.yaml"))
+
+
+@dataclass(frozen=True)
+class ScrewMaterial:
+    """Density [kg/m³], to one per cent that of the usual alloys; Young's modulus and yield strength [Pa]."""
+
+    density: float
+    modulus: float
+    yield_strength: float
+
+
+@dataclass(frozen=True)
+class NutMaterial:
+    """What a nut bears, as its maker or a handbook says in ``source``; None is what they do not say.
+
+    ``pressure_limit`` [Pa] of its projected area, ``pv_limit`` [Pa m/s] of pressure times sliding speed.
+    """
+
+    pressure_limit: float | None
+    pv_limit: float | None
+    source: str
+
+
+SCREW_MATERIALS = {name: ScrewMaterial(*numbers) for name, numbers in _TABLE["screws"].items()}
+NUT_MATERIALS = {name: NutMaterial(p, pv, _TABLE["sources"][by]) for name, (p, pv, by) in _TABLE["nuts"].items()}
+_ALSO = {other: name for name, others in _TABLE["also"].items() for other in others.split()}
+
+
+def common_name(name: Any) -> Any:
+    """Return the name of a material in the tables for another one, such as acetal for POM, if there is one."""
+    plain = re.sub(r"[\s-]+", "_", str(name).strip().lower())
+    return _ALSO.get(plain, plain if plain in NUT_MATERIALS | SCREW_MATERIALS else name)
+
+
+def pairings(nut: Any, screw: Any) -> dict[str, list[float]]:
+    """Return the names of :data:`PAIRINGS` for a nut of one material on a screw of another (steel), with their ranges.
+
+    >>> pairings("leaded_tin_bronze", None)
+    {'steel_on_bronze_dry': [0.4, 0.4], 'steel_on_bronze_lubricated': [0.15, 0.15]}
+    """
+    nut, screw = common_name(nut), common_name(screw)
+    if not isinstance(nut, str) or screw not in (None, "steel", "stainless steel"):
+        return {}
+    kind = "bronze" if nut.endswith("bronze") else nut
+    found = {name: one for name, one in PAIRINGS.items() if f"{name.removeprefix('steel_on_')}_".startswith(f"{kind}_")}
+    return {name: [one.low, one.high] for name, one in found.items()}

@@ -11,9 +11,8 @@ from numpy.typing import NDArray
 
 from lsvib.drives import friction
 from lsvib.sheets import vibration
-from lsvib.sheets.draw import Draw
+from lsvib.sheets.draw import Draw, Operation
 from lsvib.sheets.formulas import sliding_speed
-from lsvib.sheets.operation import Operation
 from lsvib.sheets.reserves import NAMES
 from lsvib.sheets.sheet import Sheet
 

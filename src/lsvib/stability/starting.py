@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING
 
 from lsvib.drives.automata import automaton_of
 from lsvib.drives.drive import Drive, once
-from lsvib.drives.states import standing_state
+from lsvib.drives.model import standing_state
 from lsvib.errors import EngineError, InputError, NoThreshold
 from lsvib.results import Threshold, ThresholdSolution
 from lsvib.stability.motion_equations import Start

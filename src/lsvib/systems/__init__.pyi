@@ -1,5 +1,5 @@
 """The public names of systems and where they live; lazy_loader loads each on first use."""
 
-from .api import System as System
 from .ends import End as End
 from .ends import Label as Label
+from .system import System as System

@@ -16,9 +16,8 @@ What follows where a mode that slides meets another surface is not determined: i
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from fractions import Fraction
-from functools import lru_cache
+from dataclasses import replace
+from functools import lru_cache, reduce
 from itertools import product
 from typing import Any, NamedTuple
 
@@ -26,11 +25,12 @@ import numpy as np
 from flint import arb
 
 from lsvib.errors import EngineError, InputError
-from lsvib.systems.automaton import Automaton, Branch, Guard, Mode, Surface, Transition, assemble
-from lsvib.systems.exact.arithmetic import added, many_digits, place_of_largest
+from lsvib.numbers import shown
+from lsvib.systems.automaton import Branch, Guard, Mode, Surface, Transition, assemble, scaled
+from lsvib.systems.exact.arithmetic import many_digits, place_of_largest
 from lsvib.systems.exact.modal_form import PlanarMode, linear_mode
 from lsvib.systems.exact.taylor_form import TaylorMode, settled_region, still_mode
-from lsvib.systems.expressions import Affine, Reader, linear, parameters, plus, scaled
+from lsvib.systems.expressions import Affine, Reader, linear, parameters, plus
 from lsvib.systems.kernels.law import EXPONENT, FROM, PIECE, TO
 from lsvib.systems.kernels.layout import FIRST_MODEL_KIND, Test
 
@@ -41,7 +41,17 @@ _MOST = 100  # modes and kinds of events are numbers of eight bits
 # sum of stays is rounded, of more a stay on a wall is the root of a difference, and so of the root of a rounding.
 _SHORT = 1e-20, 1e-6
 _ROUNDED = 1e-13  # part of a coefficient that doubles may leave of a difference which is none
-_SHARED = 64  # most periods of one forcing in a common one
+
+
+class Event(NamedTuple):
+    """What happens in some modes, by its keys."""
+
+    mode: Sequence[str]
+    when: str | None = None
+    at_clock: str | None = None
+    reset: Mapping[str, Any] = {}
+    to: str | None = None
+    beyond: str | None = None
 
 
 class Border(NamedTuple):
@@ -56,69 +66,56 @@ class Border(NamedTuple):
     crosses: bool  # whether each motion that comes to it goes through
 
 
-@dataclass(frozen=True)
+@lru_cache(maxsize=256)
+def made(system: Any) -> "Made":
+    """Return what is made from a system; shared by all that are equal, so nobody may change it."""
+    with many_digits():
+        return Made(system)
+
+
 class Made:
-    """What is made from a system: its automaton, and what else has to be known to ask it.
+    """What is made from a system: its ``automaton``, and what else has to be known to ask it.
 
     ``modes`` by name and index; ``borders`` of the surfaces; ``own`` states; ``period`` [s] of the forcing, None
     without one and nan where its parts have none in common; ``brief``: time [s] that is nothing but where events
-    accumulate; ``begin``: the coordinates where the forcing begins.
+    accumulate; ``begin``: the coordinates (n) where the forcing begins; ``free``: how many multipliers a cycle has,
+    without those that the forcing or the direction of motion give it.
     """
 
-    automaton: Automaton = field(repr=False)
-    modes: Mapping[str, int]
-    borders: tuple[Border, ...]
-    own: int
-    period: float | None
-    brief: float
-    begin: np.ndarray
-
-    @property
-    def free(self) -> int:
-        """How many multipliers a cycle has, without those that the forcing or the direction of motion give it."""
-        return self.own if self.period is not None else self.own - 1
-
-
-@lru_cache(maxsize=256)
-def made(system: Any) -> Made:
-    """Return what is made from a system; shared by all that are equal, so nobody may change it."""
-    with many_digits():
-        return _Maker(system).made()
-
-
-class _Maker:
     def __init__(self, system: Any) -> None:
         self.system, self.own, self.known = system, len(system.states), parameters(system.parameters)
         self.rates = self._positive("harmonics", system.harmonics)
         self.times = dict(zip(system.clocks, self._positive("clocks", system.clocks), strict=True))
-        self.period, self.master = _common([*(2 * arb.pi() / x for x in self.rates), *self.times.values()]), ""
-        if self.rates and self.period is not None:
-            same = (name for name, x in self.times.items() if (x - self.period).contains(0))
-            self.master = next(same, FORCING)
-            self.times.setdefault(self.master, self.period)
-        self.names = (*system.states, *(name for pair in system.harmonics for name in pair), *self.times)
+        common, self.master = _common([*(2 * arb.pi() / x for x in self.rates), *self.times.values()]), None
+        forced = self.rates or self.times
+        self.period = (math.nan if common is None else float(common)) if forced else None
+        self.free = self.own if forced else self.own - 1
+        if self.rates and common is not None:
+            self.master = next((name for name, x in self.times.items() if (x - common).contains(0)), FORCING)
+            self.times.setdefault(self.master, common)
+        self.names = (*system.states, *(name for pair in system.harmonics for name in pair.split(", ")), *self.times)
         self.n = len(self.names)
         if self.n > MOST_STATES:
-            raise InputError(
-                f"the system has {self.n} states with those of its forcing; at most {MOST_STATES} are taken."
-            )
+            raise InputError(f"the system has {self.n} states with its forcing; at most {MOST_STATES} are taken.")
+        self.begin = np.zeros(self.n)
+        self.begin[self.own : self.own + 2 * len(self.rates) : 2] = 1.0
         self.reader = Reader(self.names, self.known)
         self.unit: list[Affine] = [tuple(arb(1) if i == j else 0 for j in range(self.n + 1)) for i in range(self.n + 1)]
         self.fields = {name: self._field(f"modes.{name}", own) for name, own in system.modes.items()}
-        self.kinds: dict[str, int] = {}
-        self.surfaces: dict[str, Surface] = {}
-        self.transitions: dict[str, Transition] = {}
-        self.borders: list[Border] = []
-        self.slides: dict[str, Border] = {}
-        self._divide()
-        self._check_links()
+        self.kinds, self.surfaces, self.transitions = dict[str, int](), dict[str, Surface](), dict[str, Transition]()
+        self.borders, self.slides = list[Border](), dict[str, Border]()
+        self.events, self.beyond = [Event(**own) for own in system.events], dict[str, str]()
+        for k, own in enumerate(system.surfaces):
+            self._divide(f"surfaces[{k}].at", own["between"], own["at"])
+        self._check_events()
+        self.modes = {name: k for k, name in enumerate(self.fields)}
+        self._assemble()
 
-    def _positive(self, key: str, given: Mapping[Any, Any]) -> list[arb]:
+    def _positive(self, key: str, given: Mapping[str, Any]) -> list[arb]:
         found = [Reader((), self.known).number(x, f"{key}.{name}") for name, x in given.items()]
         for name, x in zip(given, found, strict=True):
             if not x > 0:
-                own = name if key == "clocks" else " and ".join(name)
-                raise InputError(f"{key} = {given[name]} of {own} is not positive.")
+                raise InputError(f"{key} = {given[name]} of {name.replace(', ', ' and ')} is not positive.")
         return found
 
     def _field(self, about: str, given: Mapping[str, Any]) -> list[Affine]:
@@ -134,25 +131,25 @@ class _Maker:
             rows += [scaled(sine, -rate), scaled(cosine, rate)]
         return rows + [self.unit[-1] for _ in self.times]
 
-    def _check_links(self) -> None:
-        """Refuse a mode that neither an event nor a surface leads to, or from, beside others."""
-        linked = {name for own in self.system.surfaces for name in own.between}
-        for event in self.system.events:
-            linked |= {*event.mode, event.to or "", event.beyond or ""} if event.to or event.beyond else set()
-            if wrong := [name for name in (*event.mode, event.to, event.beyond) if name and name not in self.fields]:
-                raise InputError(f"an event names the mode {wrong[0]}; modes are {', '.join(self.fields)}.")
+    def _check_events(self) -> None:
+        """Refuse a mode that is none, and one that neither an event nor a surface leads to, or from, beside others."""
+        linked = {name for own in self.system.surfaces for name in own["between"]}
+        for k, event in enumerate(self.events):
+            for name in (*event.mode, *filter(None, (event.to, event.beyond))):
+                if name not in [*self.fields]:
+                    raise InputError(f"events[{k}] names the mode {shown(name)}; modes are {', '.join(self.fields)}.")
+            linked |= {*event.mode, event.to, event.beyond} if event.to or event.beyond else set()
+            for mode in event.mode if event.beyond else ():
+                if self.beyond.setdefault(mode, str(event.beyond)) != event.beyond:
+                    raise InputError(f"mode {mode} goes beyond an accumulation into two modes.")
         if alone := [name for name in self.system.modes if name not in linked and len(self.system.modes) > 1]:
             raise InputError(f"modes.{alone[0]} is linked with no other mode, neither by an event nor by a surface.")
 
     # Surfaces
 
-    def _divide(self) -> None:
-        """Make the borders of all surfaces, and the modes of sliding."""
-        for k, own in enumerate(self.system.surfaces):
-            about, (below, above) = f"surfaces[{k}].at", own.between
-            self._add_border(below, above, self._checked(self.reader.affine(own.at, about), about, own.at), own.at)
-
-    def _add_border(self, below: str, above: str, at: Affine, text: str) -> None:
+    def _divide(self, about: str, between: Sequence[str], text: str) -> None:
+        """Make the border of a surface, and the mode of sliding."""
+        at, (below, above) = self._checked(self.reader.affine(text, about), about, text), between
         first, second = self.fields[below], self.fields[above]
         low, high = (_off(_rate(at, rows), at) for rows in (first, second))
         jump = [_off(plus(y, x, -1), at) for x, y in zip(first, second, strict=True)]
@@ -162,35 +159,33 @@ class _Maker:
         least = _ROUNDED * max(abs(float(x)) for row in (low, high) for x in row)
         pushes = not (fixed or not linear(across)) or float(across[-1]) < -least  # against each other, somewhere
         slides = f"{below}|{above}" if fixed and pushes and (linear(low) or low[-1] > 0) else None
-        border = Border(below, above, at, text, (low, high), slides, not pushes)
+        self.borders.append(Border(below, above, at, text, (low, high), slides, not pushes))
         if slides:
             if slides in self.fields:
                 raise InputError(f"two surfaces lie between {below} and {above}, which has to be one; take more modes.")
             rows = [plus(x, scaled(low, -y[-1] / across[-1])) for x, y in zip(first, jump, strict=True)]
             planar = self.n == 2 and rows[0] == self.unit[1]
-            self.fields[slides], self.slides[slides] = rows if planar else [_off(row, at) for row in rows], border
-        self.borders.append(border)
+            self.fields[slides] = rows if planar else [_off(row, at) for row in rows]
+            self.slides[slides] = self.borders[-1]
 
     def _on(self, border: Border, otherwise: str | None, kind: int = 0) -> list[Branch]:
         """Branches of what is on a surface, or off it by a reset; ``otherwise``, a mode that follows if none holds."""
-        (low, high), (below, above), at, found = border.rises, border[:2], border.at, []
+        (low, high), (below, above), at = border.rises, border[:2], border.at
 
-        def branch(mode: str, *conditions: tuple[Affine, Test]) -> None:
+        def branch(mode: str, *conditions: tuple[Affine, Test]) -> Branch:
             what = "slides along" if mode == border.slides else "crosses"
-            found.append(Branch(mode, kind or self._kind(f"{what} {border.text}"), conditions))
+            return Branch(mode, kind or self._kind(f"{what} {border.text}"), conditions)
 
-        branch(above, (at, Test.POSITIVE))
-        branch(below, (scaled(at, -1), Test.POSITIVE))
+        found = [branch(above, (at, Test.POSITIVE)), branch(below, (scaled(at, -1), Test.POSITIVE))]
         if otherwise:
-            branch(otherwise)
-            return found
+            return [*found, branch(otherwise)]
         up, down = _off(_rate(high, self.fields[above]), at), _off(_rate(low, self.fields[below]), at)
         fall, drop = scaled(high, -1), scaled(low, -1)
-        branch(above, (high, Test.LEADS), (up, Test.POSITIVE), (low, Test.NOT_NEGATIVE))
-        branch(below, (drop, Test.LEADS), (scaled(down, -1), Test.POSITIVE), (fall, Test.NOT_NEGATIVE))
-        if border.slides:
-            branch(border.slides, (low, Test.NOT_NEGATIVE), (fall, Test.NOT_NEGATIVE))
-        return found
+        found += [
+            branch(above, (high, Test.LEADS), (up, Test.POSITIVE), (low, Test.NOT_NEGATIVE)),
+            branch(below, (drop, Test.LEADS), (scaled(down, -1), Test.POSITIVE), (fall, Test.NOT_NEGATIVE)),
+        ]
+        return found + [branch(x, (low, Test.NOT_NEGATIVE), (fall, Test.NOT_NEGATIVE)) for x in [border.slides] if x]
 
     def _bounds(self, mode: str) -> Iterator[Guard]:
         """Guards of surfaces beside a mode; of one that slides r₁ and r₂, and surfaces that end on this one."""
@@ -200,14 +195,15 @@ class _Maker:
                 side, onward = (-1, border.above) if mode == border.below else (1, border.below)
                 branches = self._on(border, onward if border.crosses else None)
                 yield self._guard(f"surface {k}", border.at, side, self._transition(f"{k} {mode}", branches))
-        for k in (0, 1) if own else ():
-            if own and linear(own.rises[k]):
-                onward = (own.below, own.above)[k]
-                name = f"{mode} to {onward}"
-                self._transition(name, [Branch(onward, self._kind(f"leaves {own.text}"))])
+        if own is None:
+            return
+        for k, onward in enumerate(own[:2]):
+            if linear(own.rises[k]):
+                branches = [Branch(onward, self._kind(f"leaves {own.text}"))]
+                name = self._transition(f"{mode} to {onward}", branches)
                 yield self._guard(name, own.rises[k], 1 - 2 * k, name)
-        for border, k in product(self.borders if own else [], (0, 1)):
-            if own and border is not own and border[k] in own[:2] and linear(row := _off(border.at, own.at)):
+        for border, k in product(self.borders, (0, 1)):
+            if border is not own and border[k] in own[:2] and linear(row := _off(border.at, own.at)):
                 name = self._transition(f"{mode} at {border.text} of {border[k]}", [])  # what follows is not known
                 yield self._guard(name, row, 2 * k - 1, name)
 
@@ -233,13 +229,14 @@ class _Maker:
         """Guards of a mode: clocks, events, surfaces; an event that holds beside a surface does so along it."""
         slides = self.slides.get(mode)
         sides = {*slides[:2]} if slides else {mode}
-        own = [(k, x) for k, x in enumerate(self.system.events) if mode in x.mode or sides <= {*x.mode}]
+        own = [(k, x) for k, x in enumerate(self.events) if mode in x.mode or sides <= {*x.mode}]
         at_clock, taken = {event.at_clock: k for k, event in own}, dict[Any, int]()
         for name, period in self.times.items():
             row = (*scaled(self.unit[self.names.index(name)], -1)[:-1], period)
             yield self._guard(f"clock {name}", row, 1, self._happens(mode, at_clock.get(name), None, name))
         for k, event in own:
-            about, key = f"events[{k}].when", event.at_clock
+            about = f"events[{k}].when"
+            key: Any = event.at_clock
             if event.when is not None:
                 row = self.reader.comparison(event.when, about)
                 row = self._checked(_off(row, slides.at) if slides else row, about, event.when)
@@ -254,26 +251,25 @@ class _Maker:
         rows = self.unit[:-1]
         for name, text in given.items():
             rows[self.names.index(name)] = self.reader.affine(text, f"{about}.{name}")
+        nothing = scaled(self.unit[-1], 0)
         if clock:
-            nothing = scaled(self.unit[-1], 0)
             rows[self.names.index(clock)] = nothing
-            if clock == self.master:
-                rows[self.own : self.own + 2 * len(self.rates)] = [self.unit[-1], nothing] * len(self.rates)
+        if clock == self.master:
+            rows[self.own : self.own + 2 * len(self.rates)] = [self.unit[-1], nothing] * len(self.rates)
         return tuple(rows) if given or clock else None
 
     def _happens(self, mode: str, k: int | None, row: Affine | None, clock: str = "") -> str:
         """Transition of an event in a mode, as a condition comes true or as a clock returns, at which none may be."""
-        event = None if k is None else self.system.events[k]
-        to, given = (event.to, event.reset or {}) if event else (None, {})
-        reset = self._reset(given, f"events[{k}].reset", clock)
-        if event and row and to in (None, mode):
-            left = _off(_composed(row, reset), row) if reset else self.unit[-1]
+        event = Event([mode]) if k is None else self.events[k]
+        to, reset = event.to, self._reset(event.reset, f"events[{k}].reset", clock)
+        if row and to in (None, mode):
+            left = _off(_rate(row, (*reset, self.unit[-1])), row) if reset else self.unit[-1]
             if not linear(left) and left[-1] > 0:
                 what = "lands where it happens again" if reset else "changes nothing: give a reset, or a mode to enter"
                 raise InputError(f"events[{k}] of mode {mode}, {event.when!r}, {what}.")
         returns = FORCING if clock == FORCING else f"{clock} returns" + (f" to {to}" if to else "")
-        kind = self._kind(str(event.when) if event and not clock else returns)
-        stays = event and not to and mode in self.slides
+        kind = self._kind(returns if clock else str(event.when))
+        stays = k is not None and not to and mode in self.slides
         branches = self._on(self.slides[mode], None, kind) if stays else [*self._into(to or mode, kind)]
         return self._transition(f"{clock or k} in {mode}", branches, reset)
 
@@ -286,7 +282,7 @@ class _Maker:
 
     def _outlets(self, mode: str) -> Iterator[tuple[Affine, str]]:
         """Affine functions that are positive where a mode is left at once, with the mode that follows."""
-        for k, event in enumerate(self.system.events):
+        for k, event in enumerate(self.events):
             if mode in event.mode and event.when and event.to and not event.reset:
                 yield self.reader.comparison(event.when, f"events[{k}].when"), event.to
         for border in self.borders:
@@ -295,36 +291,26 @@ class _Maker:
 
     # All together
 
-    def made(self) -> Made:
-        """Return what is made."""
+    def _assemble(self) -> None:
         flows = self._flows()
         planar = isinstance(next(iter(flows.values())), PlanarMode)
         self._transition("entry", [*self._into(next(iter(self.fields)), FIRST_MODEL_KIND)])
         guards = {name: tuple(self._guards(name)) for name in self.fields}
         if max(len(self.kinds), len(self.fields)) > _MOST:
             raise InputError(f"the system has more than {_MOST} modes or kinds of events.")
-        beyond: dict[str, str] = {}
-        for event in self.system.events:
-            for mode in event.mode if event.beyond else ():
-                if beyond.setdefault(mode, str(event.beyond)) != event.beyond:
-                    raise InputError(f"mode {mode} goes beyond an accumulation into two modes.")
         flows = {name: self._settling(flow, guards[name], self.slides.get(name)) for name, flow in flows.items()}
-        modes = {name: Mode(k, flows[name], guards[name], beyond.get(name)) for k, name in enumerate(self.fields)}
+        modes = {name: Mode(k, flows[name], guards[name], self.beyond.get(name)) for name, k in self.modes.items()}
         scales = [float(x) for flow in flows.values() for x in flow.time_scales if 0 < x < math.inf]
-        scales += map(float, (*self.times.values(), *(1 / x for x in self.rates)))
-        index = {name: k for k, name in enumerate(self.fields)}
-        passage = [self.kinds[FORCING]] if FORCING in self.kinds else []
-        automaton = assemble(
-            self.names, self.surfaces, modes, self.transitions, {}, _SHORT[not planar] * min(scales, default=1.0),
+        shortest = min([*scales, *map(float, (*self.times.values(), *(1 / x for x in self.rates)))], default=1.0)
+        self.brief = _SHORT[1] * shortest
+        self.automaton = assemble(
+            self.names, self.surfaces, modes, self.transitions, {}, _SHORT[not planar] * shortest,
             events={kind: name for name, kind in self.kinds.items()},
-            marks={"held": frozenset(index[name] for name in self.slides), "passage": frozenset(passage)},
+            marks={
+                "held": frozenset(self.modes[name] for name in self.slides),
+                "passage": frozenset(kind for name, kind in self.kinds.items() if name == FORCING),
+            },
         )  # fmt: skip
-        begin = np.zeros(self.n)
-        begin[self.own : self.own + 2 * len(self.rates) : 2] = 1.0
-        period = math.nan if self.period is None else float(self.period)
-        forced = self.rates or self.times
-        brief = _SHORT[1] * min(scales, default=1.0)
-        return Made(automaton, index, tuple(self.borders), self.own, period if forced else None, brief, begin)
 
     def _flows(self) -> dict[str, Any]:
         """Return the flow of each mode: one oscillator, a modal form, or where one has none a series for all."""
@@ -356,37 +342,20 @@ class _Maker:
 
 
 def _common(periods: Sequence[arb]) -> arb | None:
-    """Return the least common period of some, or None if there is none, or none of few of each."""
-    shares = []
-    for x in periods:
-        share = Fraction(float(x / periods[0])).limit_denominator(_SHARED)
-        if share.numerator > _SHARED or not (x * share.denominator - periods[0] * share.numerator).contains(0):
-            return None
-        shares.append(share)
-    if not shares:
-        return None
-    return periods[0] * math.lcm(*(x.numerator for x in shares)) / math.gcd(*(x.denominator for x in shares))
+    """Return the period of which all others are a whole part, None if none is."""
+    longest = max(periods, key=float, default=arb(0))
+    return longest if longest and all((longest / x).unique_fmpz() is not None for x in periods) else None
 
 
 def _rate(row: Affine, field: Sequence[Affine]) -> Affine:
-    """Return the rate of an affine function along a field."""
-    total: Affine = tuple(0 for _ in row)
-    for x, own in zip(row, field, strict=False):
-        total = plus(total, scaled(own, x))
-    return total
-
-
-def _composed(row: Affine, reset: Sequence[Affine]) -> Affine:
-    """Return an affine function after a reset."""
-    total = _rate(row, reset)
-    return (*total[:-1], added(total[-1], row[-1]))
+    """Return the rate of an affine function along a field, or of a field of constants what it is after a reset."""
+    return reduce(plus, (scaled(own, x) for x, own in zip(row, field, strict=False)))
 
 
 def _off(row: Affine, surface: Affine) -> Affine:
     """Return an affine function as it is on a surface, without the coordinate that counts there most."""
     k = max(linear(surface), key=lambda i: (abs(float(surface[i])), -i))
-    other = plus(row, scaled(surface, -row[k] / surface[k])) if row[k].__class__ is not int else row
-    return tuple(0 if i == k else x for i, x in enumerate(other))
+    return tuple(0 if i == k else x for i, x in enumerate(plus(row, scaled(surface, -row[k] / surface[k]))))
 
 
 def _key(row: Affine) -> tuple[float, ...]:

@@ -29,7 +29,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import IntEnum, StrEnum
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -152,11 +152,11 @@ class Course(NamedTuple):
 class KnownCycles(NamedTuple):
     """Cycles that a motion may be found to join, before others are looked for, and what is asked of the rule."""
 
-    cycles: Sequence[SteadyState]
+    cycles: Sequence[Any]  # with an orbit each, such as steady states
     asked: rule.Asked
 
     @classmethod
-    def of(cls, cycles: Sequence[SteadyState], automaton: Automaton, patience: int) -> "KnownCycles":
+    def of(cls, cycles: Sequence[Any], automaton: Automaton, patience: int) -> "KnownCycles":
         """Return the table of cycles of an automaton, each with events.
 
         ``patience``: events after which other cycles are looked for as well.
@@ -252,7 +252,7 @@ def new_found(states: int, work: float) -> rule.Found:
 def _meant(automaton: Automaton, outcome: int, found: rule.Found, known: KnownCycles) -> SteadyState:
     state, mode = found.state.copy(), int(found.notes[0]["mode"])
     if outcome == Outcome.KNOWN:
-        return known.cycles[int(found.notes[0]["index"])]
+        return cast(SteadyState, known.cycles[int(found.notes[0]["index"])])
     if outcome == Outcome.SLIDES:
         label = Attractor.REST if automaton.stands else Attractor.STEADY_SLIDING
         return SteadyState(label, automaton.flow.equilibrium(mode))

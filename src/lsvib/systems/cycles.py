@@ -9,6 +9,7 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -107,6 +108,28 @@ class Cycle:
         """Return the multipliers: numbers, or real and imaginary parts; None where there is no derivative."""
         found = [[value.real, value.imag] if value.imag else value.real for value in self.multipliers.tolist()]
         return [value if np.isfinite(value).all() else None for value in found]
+
+    def multipliers_in_words(self) -> str:
+        """Say the multipliers, and the bound of their errors."""
+        own = self.multipliers.tolist()
+        found = (f"{x.real:.9g}{f' {x.imag:+.9g}i' if x.imag else ''}" if np.isfinite(x) else "none" for x in own)
+        said = ", ".join(found) or "none"
+        return f"{said} (± {self.multiplier_error:.1g})" if math.isfinite(self.multiplier_error) else said
+
+    def to_json(self) -> dict[str, Any]:
+        """Return what is known of the cycle, as plain numbers and names."""
+        known = (name for name in ("attracting", "repelling", "neutral") if getattr(self, name))
+        return {
+            "attracting": self.attracting,
+            "stability": next(known, "not known"),  # no multipliers, as infinitely many events have no derivative
+            "period": self.period,
+            "amplitude": self.amplitude,
+            "multipliers": self.to_json_multipliers(),
+            "multiplier_error": float(self.multiplier_error) if math.isfinite(self.multiplier_error) else None,
+            "state": self.state.tolist(),
+            "residual": self.residual,
+            "found_by": self.found_by,
+        }
 
 
 def integrals(orbit: Motion, forms: Callable[[int], Iterable[np.ndarray]]) -> np.ndarray:

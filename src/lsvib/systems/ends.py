@@ -1,23 +1,22 @@
 """Motions of a system of one's own, what they end on, and its cycles."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from lsvib import numbers
-from lsvib.errors import AccumulationError, BranchError, DivergenceError, EngineError, InputError, WorkSpentError
+from lsvib import variables as cf
+from lsvib.errors import DivergenceError, EngineError, InputError, WorkSpentError
 from lsvib.numbers import names_and_values, shown
 from lsvib.systems.assembly import Made, made
-from lsvib.systems.attractor import Attractor, Doubt, KnownCycles, SteadyState, end_of_motion, orbit_extremes
+from lsvib.systems.attractor import Attractor, Doubt, KnownCycles, end_of_motion, orbit_extremes
 from lsvib.systems.cycles import Cycle, cycle_of, same_cycle
 from lsvib.systems.kernels.layout import ACCUMULATION_KIND, Events, Status
 from lsvib.systems.motion import Budget, Motion, follow
-from lsvib.systems.system import System
 
 
 class Label(StrEnum):
@@ -49,25 +48,30 @@ class End:
 
     ``state`` by name: the equilibrium, or a state of the cycle; ``mode`` in which it has that. A cycle also has its
     ``period`` [s], ``turns``, that as a multiple of the forcing's (0 without), ``multipliers`` [1], the largest first,
-    of the states without those of forcing and clocks, ``multiplier_error``, a bound of their errors, and ``orbit``, one
-    period. A family has an ``orbit`` if it has a period. ``doubt`` says why an end is unresolved, ``reason`` in words.
+    of the states without those of forcing and clocks, and ``orbit``, one period; ``cycle`` knows more of it. A family
+    has an ``orbit`` if it has a period. ``doubt`` says why an end is unresolved, ``reason`` in words; ``starts``: of a
+    search, how many end so.
     """
 
     label: Label
     mode: str
     state: Mapping[str, float]
-    cycle: Cycle | None = field(default=None, repr=False, compare=False)
     orbit: Motion | None = field(default=None, repr=False, compare=False)
+    cycle: Cycle | None = field(default=None, repr=False, compare=False)
     turns: int = 0
-    multipliers: np.ndarray = field(default_factory=lambda: np.zeros(0))
-    multiplier_error: float = math.nan
     doubt: Doubt | None = None
     reason: str = ""
+    starts: int = 1
 
     @property
     def period(self) -> float:
         """Period [s]; nan for what has none."""
         return self.orbit.end_time if self.orbit else math.nan
+
+    @property
+    def multipliers(self) -> np.ndarray:
+        """Multipliers [1]; none of what is no cycle."""
+        return self.cycle.multipliers if self.cycle else np.zeros(0)
 
     def extremes(self, k: int) -> tuple[float, float]:
         """Return the smallest and largest value of a state, by its place; nan of what stays nowhere."""
@@ -79,13 +83,11 @@ class End:
     def to_json(self) -> dict[str, Any]:
         """Return it as plain numbers and names; what it has not is left out."""
         found: dict[str, Any] = {"label": self.label.value, "mode": self.mode, "state": dict(self.state)}
-        if self.orbit is not None:
-            found |= {"period": self.period} | ({"turns": self.turns} if self.turns else {})
+        found |= {"period": self.period} if self.orbit else {}
+        found |= {"turns": self.turns} if self.turns else {}
         if self.cycle is not None:
-            multipliers = self.cycle.to_json_multipliers()[: self.multipliers.size]
-            error = self.multiplier_error if math.isfinite(self.multiplier_error) else None
-            found |= {"attracting": self.cycle.attracting, "multipliers": multipliers, "multiplier_error": error}
-            found |= {"events": [*map(list, self.cycle.itinerary)]}
+            found |= {name: self.cycle.to_json()[name] for name in ("attracting", "multipliers", "multiplier_error")}
+            found["events"] = [*map(list, self.cycle.itinerary)]
         return found | ({"unresolved_because": self.reason} if self.doubt else {})
 
     def text(self) -> Iterator[str]:
@@ -93,31 +95,13 @@ class End:
         where = ", ".join(f"{name} = {x:.15g}" for name, x in self.state.items())
         yield f"{self.label}{f' in mode {self.mode}' if self.mode else ''}: {self.reason or where}"
         if self.orbit is not None:
-            turns = f", {self.turns} of the forcing" if self.turns else ""
-            yield f"  period {self.period:.15g} s{turns}"
+            yield f"  period {self.period:.15g} s{f', {self.turns} of the forcing' if self.turns else ''}"
         if self.cycle is not None:
-            values = (f"{x.real:.10g}{f' {x.imag:+.10g}i' if x.imag else ''}" for x in self.multipliers)
-            yield f"  multipliers {', '.join(values) or 'none'} (± {self.multiplier_error:.1g})"
+            yield f"  multipliers {self.cycle.multipliers_in_words()}"
             yield f"  events: {', '.join(f'{kind} into {mode}' for kind, mode in self.cycle.itinerary)}"
 
 
-class Known(NamedTuple):
-    """Cycles that motions may join: what the rule knows of them, the ends that they are, of how many that are known."""
-
-    table: KnownCycles
-    ends: Mapping[int, End]
-    known: int
-
-    @classmethod
-    def of(cls, own: Made, ends: Sequence[End]) -> "Known":
-        """Return what is known where some ends are, of which the cycles count."""
-        cycles = [one for one in ends if one.cycle]
-        found = [SteadyState(Attractor.OTHER_CYCLE, one.orbit.start_state, one.orbit) for one in cycles if one.orbit]
-        table = KnownCycles.of(found, own.automaton, 1024)  # others are looked for after so many events
-        return cls(table, dict(zip(map(id, found), cycles, strict=True)), len(ends))
-
-
-def start_of(system: System, mode: str, state: Mapping[str, Any] | None = None) -> tuple[int, np.ndarray]:
+def start_of(system: Any, mode: str, state: Mapping[str, Any] | None = None) -> tuple[int, np.ndarray]:
     """Return the mode of a start, as the engine counts it, and all coordinates (n); missing states are zero.
 
     Clocks begin at zero unless they are given, harmonics at phase 0. A start beyond a surface is in the mode there, and
@@ -137,11 +121,10 @@ def start_of(system: System, mode: str, state: Mapping[str, Any] | None = None) 
 
 def _beside(own: Made, mode: str, state: np.ndarray) -> str:
     """Return the mode on the side of the surfaces on which a state lies."""
-    for border in (border for _ in own.modes for border in own.borders):
-        rows = np.array([[*map(float, row)] for row in (border.at, *border.rises)])
-        value, low, high = rows @ np.append(state, 1.0)
+    for border in own.borders * len(own.modes):  # of which one may lead beyond the next
         if mode not in (border.below, border.above, border.slides):
             continue
+        value, low, high = np.array([[*map(float, row)] for row in (border.at, *border.rises)]) @ np.append(state, 1.0)
         if value == 0 and low < 0 < high:
             raise InputError(
                 f"the start lies on the surface {border.text}, which motions leave to both sides; move it a little."
@@ -156,31 +139,29 @@ def motion(own: Made, number: int, place: np.ndarray, t_end: float, budget: Budg
     Where events accumulate, what follows begins at the limit of their times. Raises ``EngineError`` in words of the
     system where nothing is said of what follows.
     """
-    pieces: list[Motion] = []
-    now = 0.0
-    while not pieces or pieces[-1].status == Status.STOP_EVENT:
-        piece = _stretch(own, number, place, now, max(t_end - now, 0.0), budget)
-        pieces.append(replace(piece, time=now + piece.time))
-        now, number, place = now + piece.end_time, piece.end_mode, piece.end_state
-    first, last = pieces[0], pieces[-1]
+    pieces = [*_pieces(own, number, place, t_end, budget)]
     columns: dict[str, Any] = {name: np.concatenate([getattr(one, name) for one in pieces]) for name in Events._fields}
-    return replace(last, start_mode=first.start_mode, start_state=first.start_state, end_time=now, **columns)
+    return replace(pieces[-1], start_mode=number, start_state=place, **columns)
 
 
-def _stretch(own: Made, mode: int, place: np.ndarray, now: float, t_end: float, budget: Budget | None) -> Motion:
-    """Follow a motion to ``t_end`` [s], or up to where events accumulate, of which it has those before their limit."""
-    try:
-        stop = ACCUMULATION_KIND, -1
-        piece = follow(own.automaton, place, t_end, mode=mode, stop=stop, budget=budget)
-    except (AccumulationError, BranchError) as error:
-        raise _in_words(own, mode, place, now, error) from None
-    if piece.status != Status.STOP_EVENT:
-        return piece
-    time, place = _limit(piece.time[:-1], piece.after[:-1]) or (piece.end_time, piece.end_state)
-    piece.time[-1], piece.before[-1], piece.after[-1] = time, place, place
-    kept = np.append(piece.time[:-1] < time, True)
-    columns: dict[str, Any] = {name: getattr(piece, name)[kept] for name in Events._fields}
-    return replace(piece, end_time=float(time), end_state=place, **columns)
+def _pieces(own: Made, mode: int, place: np.ndarray, t_end: float, budget: Budget | None = None) -> Iterator[Motion]:
+    """Yield a motion in pieces, each up to where events accumulate, of which it has those before their limit."""
+    now, goes_on = 0.0, True
+    while goes_on:
+        try:
+            stop = ACCUMULATION_KIND, -1
+            piece = follow(own.automaton, place, max(t_end - now, 0.0), mode=mode, stop=stop, budget=budget)
+        except EngineError as error:
+            raise _in_words(own, now, error) from None
+        time, place, kept = piece.end_time, piece.end_state, np.ones(piece.time.size, dtype=bool)
+        if goes_on := piece.status == Status.STOP_EVENT:
+            time, place = _limit(piece.time[:-1], piece.after[:-1]) or (time, place)
+            piece.time[-1], piece.before[-1], piece.after[-1] = time, place, place
+            kept = np.append(piece.time[:-1] < time, True)
+        columns: dict[str, Any] = {name: getattr(piece, name)[kept] for name in Events._fields}
+        columns["time"] = now + columns["time"]
+        now, mode = now + time, piece.end_mode
+        yield replace(piece, end_time=now, end_state=place, **columns)
 
 
 def _limit(times: np.ndarray, states: np.ndarray) -> tuple[float, np.ndarray] | None:
@@ -209,13 +190,13 @@ def _limit(times: np.ndarray, states: np.ndarray) -> tuple[float, np.ndarray] | 
     return None
 
 
-def _in_words(
-    own: Made, mode: int, place: np.ndarray, begun: float, error: AccumulationError | BranchError
-) -> EngineError:
-    """Say what a motion has come to of which the system does not say what follows."""
-    names, where = own.automaton.modes, f"at t = {begun + error.time:.6g} s"
-    here = names.get(error.mode, names[mode])
-    if isinstance(error, BranchError):
+def _in_words(own: Made, begun: float, error: EngineError) -> EngineError:
+    """Say what a motion, from the time ``begun``, has come to of which the system does not say what follows."""
+    last = error.motion
+    if not isinstance(last, Motion) or last.status not in (Status.NO_BRANCH, Status.ACCUMULATED):
+        return error
+    here, where = own.automaton.modes[last.arcs()[0][-1]], f"at t = {begun + last.end_time:.6g} s"
+    if last.status == Status.NO_BRANCH:
         on = [border for border in own.borders if here in (border.below, border.above, border.slides)]
         if len(on) == 1 and here != on[0].slides:
             return EngineError(
@@ -224,69 +205,80 @@ def _in_words(
             )
         texts = " or ".join(border.text for border in on)
         return EngineError(f"the motion from mode {here} meets two surfaces at once {where} ({texts} = 0).")
-    limit = None
-    with suppress(EngineError):
-        before = follow(own.automaton, place, error.time * (1 - 1e-12), mode=mode)
-        limit = _limit(before.time, before.after)
+    limit = _limit(last.time, last.after)
     if limit is None:
         return EngineError(f"events follow each other {where} without end and without time, from mode {here} on.")
-    return AccumulationError(
+    return EngineError(
         f"infinitely many events accumulate at t = {begun + limit[0]:.15g} s in mode {here}, and the system does not "
         "say what follows: an event with beyond names the mode."
     )
 
 
-def end_of(system: System, mode: str, state: Mapping[str, Any] | None = None, max_events: int = 300_000) -> End:
+def end_of(system: Any, mode: str, state: Mapping[str, Any] | None = None, max_events: int = 300_000) -> End:
     """Return what the motion from a start ends on."""
-    return end_from(made(system), *start_of(system, mode, state), max_events)
+    return _end(made(system), *start_of(system, mode, state), max_events)
 
 
-def end_from(own: Made, number: int, place: np.ndarray, max_events: int = 300_000, known: Known | None = None) -> End:
-    """Return what the motion from a mode and a state (n), as the engine counts them, ends on.
+def ends_of(system: Any, starts: Iterable[tuple[str, Any]], max_events: int = 300_000) -> tuple[list[End], list[int]]:
+    """Return what the motions from starts, modes and states, end on, each once, and the place of that of each start."""
+    own, found, places = made(system), list[End](), list[int]()
+    known = None
+    for start in starts:
+        end = _end(own, *start_of(system, *start), max_events, known)
+        place = next((k for k, other in enumerate(found) if end is other or _same(end, other)), len(found))
+        if place == len(found):
+            found.append(end)
+            # cycles that are not known are looked for after 1024 events
+            known = KnownCycles.of([end for end in found if end.cycle], own.automaton, 1024)
+        places.append(place)
+    return found, places
 
-    It may be found to join ``known`` cycles.
-    """
+
+def _end(own: Made, number: int, place: np.ndarray, work: int, known: KnownCycles | None = None) -> End:
+    """Return what the motion from a mode and a state (n) ends on, with ``work`` in events; it may be a known end."""
     if own.period is not None and math.isnan(own.period):
-        raise InputError("harmonics and clocks of the system have no common period, so that no motion of it repeats.")
+        raise InputError(
+            "of the periods of harmonics and clocks none is a multiple of all others, so that no motion is known to "
+            "repeat; where they have a common period, give a clock with it."
+        )
     for _ in range(_ROUNDS):
-        joined = known and known.table
-        steady, _ = end_of_motion(own.automaton, place, mode=number, max_events=max_events, known=joined)
-        if known and id(steady) in known.ends:
-            return known.ends[id(steady)]
+        steady, _ = end_of_motion(own.automaton, place, mode=number, max_events=work, known=known)
+        if isinstance(steady, End):
+            return steady
         brief = steady.orbit is not None and steady.orbit.end_time < own.brief
         if not brief and steady.doubt != Doubt.ACCUMULATION:
             break
         try:
-            piece = _stretch(own, number, place, 0.0, math.inf, None)
+            piece = next(_pieces(own, number, place, math.inf))
         except EngineError as error:
-            return End(Label.UNRESOLVED, "", _named(own, steady.state), doubt=Doubt.ACCUMULATION, reason=str(error))
+            where = _named(own, steady.state)
+            return End(Label.UNRESOLVED, "", where, doubt=Doubt.ACCUMULATION, reason=str(error))
         number, place = piece.end_mode, piece.end_state
-    label, orbit, reason = _LABELS.get(steady.label, Label.CYCLE), steady.orbit, str(steady.doubt or "")
+    label, doubt, orbit = _LABELS.get(steady.label, Label.CYCLE), steady.doubt, steady.orbit
     if label == Label.CYCLE:
         cycle = cycle_of(steady)
         if cycle is not None:
-            return end_of_cycle(own, cycle)
-        steady, label = replace(steady, doubt=Doubt.ENGINE), Label.UNRESOLVED
+            turns = round(cycle.period / own.period) if own.period else 0
+            mode, cycle = own.automaton.modes[cycle.orbit.start_mode], of_system(own, cycle)
+            return End(label, mode, _named(own, cycle.state), cycle.orbit, cycle, turns)
+        doubt, label = Doubt.ENGINE, Label.UNRESOLVED
+    reason = str(doubt or "")
     try:
         if label == Label.EQUILIBRIUM:
-            return _still(own, motion(own, number, place, math.inf, Budget(max_events)))
-        if steady.doubt is not None:
+            return _still(own, motion(own, number, place, math.inf, Budget(work)))
+        if doubt is not None:
             motion(own, number, place, math.inf, Budget(_EXPLAINED))
     except DivergenceError:
-        steady, label, reason = replace(steady, doubt=None), Label.UNBOUNDED, ""
+        doubt, label, reason = None, Label.UNBOUNDED, ""
     except EngineError as error:
         reason = reason if isinstance(error, WorkSpentError) else str(error)
     mode = own.automaton.modes[orbit.start_mode] if orbit else ""
-    return End(label, mode, _named(own, steady.state), orbit=orbit, doubt=steady.doubt, reason=reason)
+    return End(label, mode, _named(own, steady.state), orbit, doubt=doubt, reason=reason)
 
 
-def end_of_cycle(own: Made, cycle: Cycle) -> End:
-    """Return a cycle as an end, attracting or not."""
-    return End(
-        Label.CYCLE, own.automaton.modes[cycle.orbit.start_mode], _named(own, cycle.state), cycle, cycle.orbit,
-        turns=round(cycle.period / own.period) if own.period else 0,
-        multipliers=cycle.multipliers[: own.free], multiplier_error=cycle.multiplier_error,
-    )  # fmt: skip
+def of_system(own: Made, cycle: Cycle) -> Cycle:
+    """Return a cycle with the multipliers alone that the forcing, or the direction of motion, does not give it."""
+    return replace(cycle, multipliers=cycle.multipliers[: own.free])
 
 
 def _still(own: Made, last: Motion) -> End:
@@ -294,17 +286,15 @@ def _still(own: Made, last: Motion) -> End:
 
     That is the projection on what the flow keeps, along all that it changes.
     """
-    mode, field = own.automaton.modes[last.end_mode], own.automaton.flow.field[last.end_mode]
-    start = np.append(last.end_state, 1.0)
-    if not (field @ start).any():
-        return End(Label.EQUILIBRIUM, mode, _named(own, last.end_state))
+    field, start = own.automaton.flow.field[last.end_mode], np.append(last.end_state, 1.0)
     left, values, right = np.linalg.svd(np.vstack([field, 0 * start]))
     none = values <= 1e-13 * values[0]
     stay, kept = right[none].T, left[:, none]
-    across = kept.T @ stay  # singular where what is kept grows in proportion to time
-    if not np.linalg.cond(across) < 1e10:
-        return End(Label.UNBOUNDED, mode, _named(own, last.end_state))
-    return End(Label.EQUILIBRIUM, mode, _named(own, (stay @ np.linalg.solve(across, kept.T @ start))[:-1]))
+    still, across = not (field @ start).any(), kept.T @ stay  # singular where what is kept grows in proportion to time
+    label = Label.EQUILIBRIUM if still or np.linalg.cond(across) < 1e10 else Label.UNBOUNDED
+    if label == Label.EQUILIBRIUM and not still:
+        start = stay @ np.linalg.solve(across, kept.T @ start)
+    return End(label, own.automaton.modes[last.end_mode], _named(own, start[:-1]))
 
 
 def _named(own: Made, state: np.ndarray) -> dict[str, float]:
@@ -312,8 +302,27 @@ def _named(own: Made, state: np.ndarray) -> dict[str, float]:
     return dict(zip(names, state.tolist(), strict=False))
 
 
-def same_end(one: End, other: End) -> bool:
+def _same(one: End, other: End) -> bool:
     """Whether two ends are one: a cycle, or what is side by side in one mode, or unresolved for one reason."""
     if one.cycle and other.cycle:
         return same_cycle(one.cycle, other.cycle)
     return (one.label, one.mode, one.doubt) == (other.label, other.mode, other.doubt)
+
+
+def states_of(own: Made, dims: cf.Dims, values: np.ndarray, name: str = "{}", when: str = "") -> cf.Variables:
+    """Return states (..., n) as variables, without the forcing's clock."""
+    names = [(k, x) for k, x in enumerate(own.names) if x.isidentifier()]
+    return {name.format(x): cf.variable(dims, values[..., k], "1", f"state {x}{when}") for k, x in names}
+
+
+def variables_of(dims: cf.Dims, ends: Sequence[End], shape: Sequence[int] = (-1,)) -> cf.Variables:
+    """Return label, period and the largest multiplier of ends as variables."""
+    first = [end.multipliers[0] if end.multipliers.size else math.nan for end in ends]
+    leading = [abs(x) if x.imag else x.real for x in first]
+    table = {
+        "period": ([end.period for end in ends], "s", "period of what the motion ends on", "$T$"),
+        "turns": ([end.turns for end in ends], "1", "periods of the forcing in that, or zero"),
+        "multiplier": (leading, "1", "largest multiplier, or its magnitude if it is complex"),
+    }
+    labels = np.reshape([list(Label).index(end.label) for end in ends], shape)
+    return {"label": cf.flagged(dims, labels, "what the motion ends on", list(Label))} | cf.columns(dims, table, shape)

@@ -8,13 +8,15 @@ import ast
 import keyword
 import warnings
 from collections.abc import Mapping, Sequence
+from graphlib import CycleError, TopologicalSorter
 from typing import Any
 
 from flint import arb
 
-from lsvib.errors import EngineError, InputError
+from lsvib.errors import InputError
 from lsvib.numbers import shown
-from lsvib.systems.exact.arithmetic import added
+from lsvib.systems.automaton import scaled
+from lsvib.systems.exact.arithmetic import added, nothing
 
 FUNCTIONS = ("sqrt", "sin", "cos", "tan", "exp", "log", "abs")
 _LONGEST = 2000  # characters of an expression, so that none takes long
@@ -37,8 +39,10 @@ class Reader:
     """
 
     def __init__(self, states: Sequence[str], known: Mapping[str, arb]) -> None:
-        self.place, self.known, self.size = {name: i for i, name in enumerate(states)}, known, len(states) + 1
         self.text, self.start = "", ""  # what is read now, and how a sentence about it starts
+        self.none = [0 for _ in states]
+        self.rows = {name: (*self.none[:k], arb(1), *self.none[k:]) for k, name in enumerate(states)}
+        self.rows |= {name: self._constant(x) for name, x in {**known, "pi": arb.pi()}.items()}
 
     def affine(self, given: Any, about: str) -> Affine:
         """Return an expression, or a number, as an affine function of the states."""
@@ -58,14 +62,14 @@ class Reader:
     def comparison(self, given: Any, about: str) -> Affine:
         """Return a condition such as ``x > 1`` as the affine function that is positive where it holds."""
         self.start, (one, self.text) = f"{about} = {shown(given)}", _parsed(given, about)
-        if not isinstance(one, ast.Compare) or len(one.ops) != 1:
-            raise self._refusal("is not a condition, such as x > 1.")
-        sides = [self._whole(side) for side in (one.left, one.comparators[0])]
-        if isinstance(one.ops[0], (ast.Lt, ast.LtE)):
-            sides.reverse()
-        elif not isinstance(one.ops[0], (ast.Gt, ast.GtE)):
-            raise self._refusal("compares neither by > nor by <.")
-        return self._checked(plus(sides[0], sides[1], -1))
+        match one:
+            case ast.Compare(left=less, ops=[ast.Lt() | ast.LtE()], comparators=[more]):
+                pass
+            case ast.Compare(left=more, ops=[ast.Gt() | ast.GtE()], comparators=[less]):
+                pass
+            case _:
+                raise self._refusal("is not a condition, such as x > 1.")
+        return self._checked(plus(self._whole(more), self._whole(less), -1))
 
     def _refusal(self, what: str) -> InputError:
         return InputError(f"{self.start} {what}")
@@ -78,7 +82,7 @@ class Reader:
     def _constant(self, value: Any) -> Affine:
         if isinstance(value, arb) and not value.is_finite():
             raise self._refusal("is no real number.")
-        return (*(0 for _ in range(self.size - 1)), 0 if value == 0 else value)
+        return (*self.none, 0 if value == 0 else value)
 
     def _whole(self, tree: ast.expr) -> Affine:
         try:
@@ -92,14 +96,10 @@ class Reader:
                 return self._constant(arb(value))
             case ast.Constant(value=float()):
                 return self._constant(arb(str(ast.get_source_segment(self.text, node)).replace("_", "")))
-            case ast.Name(id=name) if name in self.place:
-                return tuple(arb(1) if i == self.place[name] else 0 for i in range(self.size))
-            case ast.Name(id="pi"):
-                return self._constant(arb.pi())
-            case ast.Name(id=name) if name in self.known:
-                return self._constant(self.known[name])
+            case ast.Name(id=name) if name in self.rows:
+                return self.rows[name]
             case ast.Name(id=name):
-                names = ", ".join([*self.place, *self.known]) or "none"
+                names = ", ".join([*self.rows][:-1]) or "none"
                 raise self._refusal(f"has the unknown name {name}; known are {names}.")
             case ast.UnaryOp(op=ast.UAdd() | ast.USub(), operand=operand):
                 return scaled(self._read(operand), 1 if isinstance(node.op, ast.UAdd) else -1)
@@ -134,24 +134,18 @@ class Reader:
 
 def parameters(given: Mapping[str, Any]) -> dict[str, arb]:
     """Return parameters as balls; a value may be an expression of others, in any order."""
-    known: dict[str, arb] = {}
-    waiting = {name: _names(x, f"parameters.{name}") & {*given} for name, x in given.items()}
-    while waiting:
-        ready = [name for name, names in waiting.items() if not names & {*waiting}]
-        if not ready:
-            name, names = next(iter(waiting.items()))
-            raise InputError(
-                f"parameters.{name} = {shown(given[name])} depends on itself, by {', '.join(sorted(names))}."
-            )
-        for name in ready:
+    known, needs = dict[str, arb](), dict[str, set[str]]()
+    for name, value in given.items():
+        tree = ast.walk(_parsed(value, f"parameters.{name}")[0]) if isinstance(value, str) else ()
+        needs[name] = {x.id for x in tree if isinstance(x, ast.Name)} & given.keys()
+    try:
+        for name in TopologicalSorter(needs).static_order():
             known[name] = Reader((), known).number(given[name], f"parameters.{name}")
-            del waiting[name]
-    return {name: known[name] for name in given}
-
-
-def _names(given: Any, about: str) -> set[str]:
-    found = [] if isinstance(given, (int, float)) else ast.walk(_parsed(given, about)[0])
-    return {x.id for x in found if isinstance(x, ast.Name)}
+    except CycleError as error:
+        name, *others = sorted({*error.args[1]})
+        by = ", ".join(others or [name])
+        raise InputError(f"parameters.{name} = {shown(given[name])} depends on itself, by {by}.") from None
+    return known
 
 
 def _parsed(given: Any, about: str) -> tuple[ast.expr, str]:
@@ -165,23 +159,11 @@ def _parsed(given: Any, about: str) -> tuple[ast.expr, str]:
         raise InputError(f"{about} = {shown(given)} is not an expression, such as -x - 0.1*v + A.") from None
 
 
-def _zero(x: Any) -> bool:
-    return x.__class__ is int and x == 0
-
-
 def linear(row: Affine) -> list[int]:
     """Return the places of the coefficients of states that are there."""
-    return [i for i, x in enumerate(row[:-1]) if not _zero(x)]
+    return [i for i, x in enumerate(row[:-1]) if not nothing(x)]
 
 
 def plus(left: Affine, right: Affine, factor: int = 1) -> Affine:
     """Return the sum of two affine functions, or their difference."""
-    try:
-        return tuple(added(x, y if _zero(y) else factor * y) for x, y in zip(left, right, strict=True))
-    except EngineError as error:
-        raise InputError(str(error)) from None
-
-
-def scaled(row: Affine, factor: Any) -> Affine:
-    """Return an affine function times a number; what is not there stays so."""
-    return tuple(0 if _zero(x) or factor == 0 else x * factor for x in row)
+    return tuple(map(added, left, scaled(right, factor)))

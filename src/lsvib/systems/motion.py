@@ -8,15 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from lsvib import numbers
-from lsvib.errors import (
-    AccumulationError,
-    BranchError,
-    DivergenceError,
-    EngineError,
-    InputError,
-    UndecidedError,
-    WorkSpentError,
-)
+from lsvib.errors import AccumulationError, DivergenceError, EngineError, InputError, UndecidedError, WorkSpentError
 from lsvib.systems.automaton import Automaton, Branch, Guard, Mode, Surface, Transition, assemble
 from lsvib.systems.exact.modal_form import PlanarMode, linear_mode
 from lsvib.systems.kernels import event_loop, jit
@@ -160,16 +152,16 @@ def follow(
             f"the motion takes more than {_MANY_STEPS:,} steps by its event after t = {end_time:.6g} s; shorten the "
             "duration or, if rates lie far apart, take larger inertias, or smaller stiffness and damping."
         )
-    try:
-        _complain(Status(status), end_time, state, most if max_events is None else None)
-    except (AccumulationError, BranchError) as error:
-        error.time, error.mode = end_time, int(mode)
-        raise
     columns = [np.concatenate(column) for column in zip(*pieces, strict=True)] if len(pieces) > 1 else pieces[0]
-    return Motion(
+    motion = Motion(
         automaton, start_mode, start_state, *Events(*columns),
         status=Status(status), end_time=end_time, end_mode=int(mode), end_state=state,
     )  # fmt: skip
+    error = _complaint(Status(status), end_time, state, most if max_events is None else None)
+    if error is not None:
+        error.motion = motion
+        raise error
+    return motion
 
 
 def engine_for(tables: Tables) -> event_loop.Engine:
@@ -186,27 +178,27 @@ def new_events(capacity: int, n: int) -> Events:
     return Events(time, kind, sign, mode, np.empty((capacity, n)), np.empty((capacity, n)))
 
 
-def _complain(status: Status, time: float, state: np.ndarray, most: int | None) -> None:
-    """Raise the error that a status means, if it means one; ``most``: events after which a motion is too long."""
+def _complaint(status: Status, time: float, state: np.ndarray, most: int | None) -> EngineError | None:
+    """Return the error that a status means, if it means one; ``most``: events after which a motion is too long."""
     if status == Status.EVENTS_FULL and most is not None:
-        raise EngineError(f"more than {most} events before t = {time:.6g} s; shorten the duration.")
+        return EngineError(f"more than {most} events before t = {time:.6g} s; shorten the duration.")
     if status in _FINE and math.isfinite(time):
-        return
+        return None
     where = f"at t = {time:.6g} s, state {np.array2string(state, precision=6)}"
     if status == Status.DIVERGED:
-        raise DivergenceError(f"the motion grows without bound ({where}); shorten the duration or add damping.")
+        return DivergenceError(f"the motion grows without bound ({where}); shorten the duration or add damping.")
     if status == Status.ACCUMULATED:
-        raise AccumulationError(f"infinitely many events accumulate {where}, and the model does not say what follows.")
+        return AccumulationError(f"infinitely many events accumulate {where}, and the model does not say what follows.")
     if status == Status.UNDECIDED:
-        raise UndecidedError(
+        return UndecidedError(
             f"the search for the next event does not end ({where}): the rates of the mode lie too far apart."
         )
     if status == Status.NO_BRANCH:
-        raise BranchError(
+        return EngineError(
             f"no branch of a transition fits {where}: under a friction law that grows with speed it has reached the "
             "Painlevé region, and what follows is not determined; else this is a fault of the model, please report it."
         )
-    raise EngineError(f"the clock left the range of numbers ({where}).")
+    return EngineError(f"the clock left the range of numbers ({where}).")
 
 
 def compile_engine(kinds: Sequence[str] = ("planar", "modal")) -> None:

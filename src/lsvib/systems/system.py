@@ -1,84 +1,79 @@
-"""A system of one's own: linear between events, in words and numbers, as a value."""
+"""A system of one's own: linear between events, in words and numbers, as a value of which all can be asked.
 
-from collections.abc import Iterable, Mapping
-from typing import Any, NamedTuple, Self
+Motions begin in a ``mode`` with a ``state`` by name; states and clocks that it leaves out are zero, and harmonics are
+at phase 0. Each method raises ``InputError`` for what is not acceptable, and ``EngineError`` where the system does not
+say what follows, in one sentence.
+"""
+
+import json
+import math
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from copy import deepcopy
+from dataclasses import dataclass, field, replace
+from itertools import product
+from typing import Any, Self
 
 import numpy as np
+import xarray as xr
 
-from lsvib.errors import InputError
-from lsvib.numbers import names_and_values, shown
-from lsvib.systems.assembly import made
-from lsvib.systems.expressions import LARGEST, check_name
+from lsvib import numbers
+from lsvib import variables as cf
+from lsvib.errors import DivergenceError, InputError
+from lsvib.numbers import Progress, names_and_values, shown
+from lsvib.systems.assembly import FORCING, Event, made
+from lsvib.systems.continuation import CycleBranch, follow_cycle, span_of
+from lsvib.systems.ends import End, end_of, ends_of, motion, of_system, start_of, states_of, variables_of
+from lsvib.systems.expressions import LARGEST, check_name, parameters
+from lsvib.systems.grid import MOST_CELLS, Axis, Grid
 
 KEYS = ("states", "parameters", "harmonics", "clocks", "modes", "events", "surfaces")
+_MOST = 1_000_000  # samples, or starts
+_WORK = 100_000  # events of a motion of a map
+MADE_BY = {
+    "source": "lsvib, exact event-driven motions and their return map",
+    "references": "docs/systems.md of lsvib",
+    "keywords": "piecewise-linear systems, nonsmooth dynamics, periodic motions",
+}
+
+State = Mapping[str, float] | None
 
 
-class Event(NamedTuple):
-    """What happens in some modes ``when`` a condition comes true, or ``at_clock``, as that returns.
-
-    ``reset``: new values of states; ``to``: the mode that is entered, None to stay; ``beyond``: the mode that follows
-    infinitely many events in finite time.
-    """
-
-    mode: tuple[str, ...]
-    when: str | None = None
-    at_clock: str | None = None
-    reset: Mapping[str, Any] | None = None
-    to: str | None = None
-    beyond: str | None = None
-
-
-class SurfaceBetween(NamedTuple):
-    """A surface ``at`` which an affine function is zero, ``between`` the mode where it is negative and the other."""
-
-    between: tuple[str, str]
-    at: str
-
-
+@dataclass(eq=False, repr=False)
 class System:
     """A system that is linear between events; immutable, checked as it is made.
 
     ``states``: names; ``parameters``: numbers, or expressions of other parameters; ``harmonics``: by ``"c, s"`` the
     rate ω [rad/s] of c = cos ω t and s = sin ω t; ``clocks``: by name the period [s] after which a time returns to
     zero; ``modes``: by name the derivatives of all states, affine in states, harmonics and clocks, or ``matrix`` and
-    ``vector``; ``events``: mappings with ``mode`` (one or several), ``when`` or ``at_clock``, and ``reset``, ``to``,
-    ``beyond``; ``surfaces``: mappings with ``between``, two modes, and ``at``, which is negative in the first one.
-    A number in a text is the decimal that it is, a float the double that it is. Modes that slide along surfaces have
-    the names of those that meet there, as in ``"slower|faster"``.
+    ``vector``; ``events``: mappings with ``mode`` (one or several), ``when`` a condition comes true or ``at_clock``, as
+    that returns, and ``reset``, new values of states, ``to``, the mode that is entered, and ``beyond``, the mode that
+    follows infinitely many events in finite time; ``surfaces``: mappings with ``between``, two modes, and ``at``, which
+    is negative in the first one and positive in the second. A number in a text is the decimal that it is, a float the
+    double that it is. Modes that slide along surfaces have the names of those that meet there, as in
+    ``"slower|faster"``.
     """
 
-    states: tuple[str, ...]
-    parameters: dict[str, Any]
-    harmonics: dict[tuple[str, str], Any]
-    clocks: dict[str, Any]
-    modes: dict[str, dict[str, Any]]
-    events: tuple[Event, ...]
-    surfaces: tuple[SurfaceBetween, ...]
+    states: Sequence[str]
+    modes: Mapping[str, Mapping[str, Any]]
+    parameters: Mapping[str, Any] = field(default_factory=dict)
+    harmonics: Mapping[str, Any] = field(default_factory=dict)
+    clocks: Mapping[str, Any] = field(default_factory=dict)
+    events: Sequence[Mapping[str, Any]] = ()
+    surfaces: Sequence[Mapping[str, Any]] = ()
 
-    def __init__(
-        self,
-        states: Iterable[str],
-        modes: Mapping[str, Mapping[str, Any]],
-        parameters: Mapping[str, Any] | None = None,
-        harmonics: Mapping[str, Any] | None = None,
-        clocks: Mapping[str, Any] | None = None,
-        events: Iterable[Mapping[str, Any]] = (),
-        surfaces: Iterable[Mapping[str, Any]] = (),
-    ) -> None:
-        """Make a system from its keys; raises ``InputError`` in one sentence."""
-        put = self.__dict__
-        put["states"] = tuple(_listed("states", states))
-        for key, given in (("parameters", parameters), ("harmonics", harmonics), ("clocks", clocks)):
-            put[key] = {name: _value(x) for name, x in names_and_values(key, given).items()}
-        put["harmonics"] = {_pair(key): x for key, x in put["harmonics"].items()}
+    def __post_init__(self) -> None:
+        self.states = _listed("states", self.states)
+        for key in ("parameters", "harmonics", "clocks"):
+            setattr(self, key, {name: _value(x) for name, x in names_and_values(key, getattr(self, key)).items()})
+        self.harmonics = {_pair(key): x for key, x in self.harmonics.items()}
         self._check_names()
-        if not self.states or not modes:
+        if not self.states or not self.modes:
             raise InputError("a system needs one state and one mode at least.")
-        put["modes"] = {name: self._mode(name, own) for name, own in names_and_values("modes", modes).items()}
-        put["events"] = tuple(self._event(f"events[{k}]", own) for k, own in enumerate(_listed("events", events)))
-        planes = enumerate(_listed("surfaces", surfaces))
-        put["surfaces"] = tuple(self._surface(f"surfaces[{k}]", own) for k, own in planes)
-        put["_text"] = f"System({', '.join(f'{key}={value!r}' for key, value in self.keys().items())})"
+        self.modes = {name: self._mode(name, own) for name, own in names_and_values("modes", self.modes).items()}
+        self.events = [self._event(f"events[{k}]", own) for k, own in enumerate(_listed("events", self.events))]
+        self.surfaces = [self._surface(f"surfaces[{k}]", x) for k, x in enumerate(_listed("surfaces", self.surfaces))]
+        vars(self)["_text"] = f"System({', '.join(f'{key}={value!r}' for key, value in self.keys().items())})"
         made(self)
 
     @classmethod
@@ -88,24 +83,21 @@ class System:
 
     def keys(self) -> dict[str, Any]:
         """Return the keys that make it, as a file holds them."""
-        events = [{key: x for key, x in event._asdict().items() if x} for event in self.events]
-        keys: dict[str, Any] = {key: getattr(self, key) for key in KEYS}
-        keys["harmonics"] = {", ".join(pair): x for pair, x in self.harmonics.items()}
-        keys["events"], keys["surfaces"] = events, [one._asdict() for one in self.surfaces]
-        return {key: _plain(value) for key, value in keys.items() if value}
+        return {key: deepcopy(value) for key in KEYS if (value := getattr(self, key))}
 
     def replace(self, /, **changes: Any) -> Self:
         """Return a copy with some parameters changed, or whole keys such as ``events``, checked again."""
         keys = self.keys()
         for name, value in changes.items():
-            if name not in self.parameters and name not in KEYS:
-                known = ", ".join(self.parameters) or "none"
-                raise InputError(f"{name} is no parameter of the system; its parameters are {known}.")
+            if name not in KEYS:
+                self._check_parameter(name)
             (keys["parameters"] if name in self.parameters else keys)[name] = value
         return type(self)(**keys)
 
     def __setattr__(self, name: str, value: Any) -> None:
-        raise InputError(f"a system does not change; system.replace({name}=...) makes another one.")
+        if "_text" in vars(self):
+            raise InputError(f"a system does not change; system.replace({name}=...) makes another one.")
+        super().__setattr__(name, value)
 
     def __eq__(self, other: object) -> bool:
         return repr(self) == repr(other) if isinstance(other, System) else NotImplemented
@@ -114,11 +106,195 @@ class System:
         return hash(repr(self))
 
     def __repr__(self) -> str:
-        return str(self.__dict__["_text"])
+        return str(vars(self)["_text"])
+
+    def simulate(self, mode: str, state: State, duration: float, *, samples: int = 1001) -> xr.Dataset:
+        """Return the exact motion from a start, with its events.
+
+        ``duration`` [s], and the number of ``samples``, equidistant in time, both ends included. Returns a dataset over
+        ``time`` [s] with all states and the mode, and over ``event`` the time and kind of each event, the mode that it
+        enters and the states before and after it.
+        """
+        own, end = made(self), numbers.start("duration", duration)
+        if end < 0:
+            raise InputError(f"duration = {end:g} is negative.")
+        times = np.linspace(0.0, end, numbers.whole_between("samples", samples, 2, _MOST))
+        found = motion(own, *start_of(self, mode, state), end)
+        states, modes = found.at(times)
+        if not (np.abs(states) < numbers.LARGEST_START).all():
+            raise DivergenceError("the motion grows without bound; shorten the duration.")
+        kinds = ["touches", "accumulates", *own.automaton.events.values()]
+        data: cf.Variables = {
+            "mode": cf.flagged("time", modes, "mode of motion", [*own.modes]),
+            "event_time": cf.variable("event", found.time, "s", "time of the event"),
+            "event_kind": cf.flagged("event", found.kind, "kind of the event", kinds),
+            "event_mode": cf.flagged("event", found.mode, "mode of motion after the event", [*own.modes]),
+        }
+        for when, rows in (("before", found.before), ("after", found.after)):
+            data |= states_of(own, "event", rows, f"event_{{}}_{when}", f" {when} the event")
+        axes = {
+            "time": cf.variable("time", times, "s", "time", "$t$"),
+            "event": cf.variable("event", np.arange(found.time.size), "1", "index of the event"),
+        }
+        about = {"title": "Motion of a system", "initial_state": _start(mode, state)}
+        return self._dataset(states_of(own, "time", states), data, axes, about)
+
+    def steady_state(self, mode: str, state: State = None) -> End:
+        """Return what the motion from a start ends on: label, period, multipliers, one period as ``orbit``."""
+        return end_of(self, mode, state)
+
+    def cycles(
+        self,
+        starts: Iterable[tuple[str, State]] = (),
+        *,
+        box: Mapping[str, tuple[float, float]] | None = None,
+        count: int = 100,
+        seed: int = 0,
+    ) -> list[End]:
+        """Return all that motions end on, each once with the number of its ``starts``, cycles first.
+
+        ``starts``: modes and states; ``box``: least and largest value of some states, between which ``count`` more
+        starts are drawn, in all modes, by a generator with this ``seed``. Cycles that repel are not found so.
+        """
+        chance = np.random.default_rng(numbers.whole_between("seed", seed, 0, 2**63))
+        try:
+            spans = [(name, low, high) for name, (low, high) in names_and_values("box", box).items()]
+            given = [(mode, state) for mode, state in starts]
+        except (TypeError, ValueError):
+            raise InputError(
+                f"starts = {shown(starts)} are not pairs of mode and state, or box = {shown(box)} has no pairs of "
+                "numbers."
+            ) from None
+        axes = [Axis(*span, 1) for span in spans]
+        for _ in range(numbers.whole_between("count", count, 1, _MOST) if axes else 0):
+            mode = str(chance.choice([*self.modes]))
+            given.append((mode, {axis.coordinate: chance.uniform(axis.start, axis.stop) for axis in axes}))
+        if not given:
+            raise InputError("give starts, as [(mode, state), ...], or a box to draw them from, as {'x': (-1, 1)}.")
+        found, places = ends_of(self, given)
+        ends = [replace(end, starts=places.count(k)) for k, end in enumerate(found)]
+        return sorted(ends, key=lambda end: (end.cycle is None, end.label, end.period))
+
+    def follow(
+        self,
+        cycle: End,
+        parameter: str,
+        span: tuple[float, float],
+        *,
+        points: int = 1000,
+        progress: Progress | None = None,
+    ) -> CycleBranch:
+        """Follow a cycle of this system over a parameter, both ways, at most so many ``points`` each.
+
+        ``span``: its smallest and largest value, with the system's own between them. Returns the branch with its points
+        and ``changes``, of which each has a ``name``: fold, period doubling, Neimark–Sacker, grazing, border collision.
+        """
+        own, one = made(self), cycle.cycle if isinstance(cycle, End) else None
+        if one is None:
+            raise InputError("what is followed is one cycle, such as system.cycles(...)[0].")
+        mine, other = own.automaton, one.orbit.automaton
+        pairs = (mine.flow.field, other.flow.field), (mine.tables.surfaces, other.tables.surfaces)
+        if not all(np.array_equal(*pair) for pair in pairs):
+            raise InputError("the cycle belongs to another system; take one that this system ends on.")
+        self._check_parameter(parameter)
+        here = float(parameters(self.parameters)[parameter])
+        ends, most = span_of("system", parameter, here, span, points)
+        branch = follow_cycle(
+            one, lambda value: made(self.replace(**{parameter: value})).automaton, parameter, here, ends, most, progress
+        )
+        return replace(branch, points=tuple(replace(x, cycle=of_system(own, x.cycle)) for x in branch.points))
+
+    def sweep(
+        self,
+        mode: str | None = None,
+        state: State = None,
+        /,
+        *,
+        progress: Progress | None = None,
+        **over: Sequence[float] | np.ndarray,
+    ) -> xr.Dataset:
+        """Return what the motion from a start ends on over values of parameters, all combinations of them.
+
+        It begins in the first mode unless another is named. Returns a dataset over the parameters with the label, the
+        period [s], as a multiple of the forcing's as well, the largest multiplier, the extremes of each state and how
+        often each event happens in a period; of two parameters that is a chart.
+        """
+        axes, begin = numbers.axes(over, self._check_parameter), mode or next(iter(self.modes))
+        dims, shape, ends = (*axes,), tuple(map(len, axes.values())), list[End]()
+        for values in product(*axes.values()):
+            ends.append(end_of(self.replace(**dict(zip(axes, values, strict=True))), begin, state))
+            if progress is not None:
+                progress(len(ends), math.prod(shape))
+        where = "in what the motion ends on"
+        extremes = np.array([[end.extremes(k) for k in range(len(self.states))] for end in ends])
+        own = {
+            f"{word}_{name}": (extremes[:, k, i], "1", f"{word} value of state {name} {where}")
+            for i, word in enumerate(("least", "largest"))
+            for k, name in enumerate(self.states)
+        }
+        events = [end.cycle.itinerary if end.cycle else () for end in ends]
+        counts = [Counter(kind for kind, _ in one if kind != FORCING) for one in events]
+        kinds = [*dict.fromkeys(kind for count in counts for kind in count)]
+        often = np.reshape([count[kind] for count in counts for kind in kinds], (*shape, len(kinds)))
+        what = [f"period_{end.turns}" if end.turns else str(end.label) for end in ends]
+        words = sorted({*what})
+        found = variables_of(dims, ends, shape) | {
+            "behaviour": cf.flagged(dims, np.reshape([*map(words.index, what)], shape), f"kind, {where}", words),
+            "events": cf.variable((*dims, "kind"), often, "1", "how often an event happens in a period"),
+        }
+        coordinates = {name: cf.variable(name, np.array(x), "1", f"parameter {name}") for name, x in axes.items()}
+        coordinates["kind"] = cf.named_index("kind", "kind of the event", kinds)
+        about = {"title": f"What a system ends on over {', '.join(axes)}", "initial_state": _start(begin, state)}
+        return self._dataset(cf.columns(dims, own, shape), found, coordinates, about)
+
+    def map(self, grid: Mapping[str, Any], mode: str | None = None, *, progress: Progress | None = None) -> xr.Dataset:
+        """Return what motions from the cells of a grid end on.
+
+        ``grid``: two states, each (start, stop, count), and values of others; the ``mode`` is the first one unless
+        another is named. Returns a dataset over both with the number of the end of each cell, ``behaviour``, and what
+        these ends are.
+        """
+        own, cells, begin = made(self), Grid.of(grid, [*self.states]), mode or next(iter(self.modes))
+        rows, columns = cells.y.centres().tolist(), cells.x.centres().tolist()
+        if len(rows) * len(columns) > MOST_CELLS:
+            raise InputError(f"grid has {len(rows) * len(columns)} cells; the allowed range is up to {MOST_CELLS}.")
+
+        def starts() -> Iterator[tuple[str, State]]:
+            for i, y in enumerate(rows):
+                yield from ((begin, {**cells.fixed, cells.x.coordinate: x, cells.y.coordinate: y}) for x in columns)
+                if progress is not None:
+                    progress(i + 1, len(rows))
+
+        found, places = ends_of(self, starts(), _WORK)
+        number, words = np.reshape(places, (len(rows), len(columns))), [f"{x.label}_{k}" for k, x in enumerate(found)]
+        share, last = np.bincount(number.ravel()) / number.size, np.array([[*end.state.values()] for end in found])
+        dims, axes = (cells.y.coordinate, cells.x.coordinate), cf.Variables()
+        data = variables_of("end", found) | {
+            "behaviour": cf.flagged(dims, number, "number of the end that the motion has", words),
+            "fraction": cf.variable("end", share, "1", "fraction of the cells"),
+        }
+        data |= states_of(own, "end", last, "end_{}", " of the equilibrium, or of the cycle as its period begins")
+        for name, one in zip(dims, (cells.y, cells.x), strict=True):
+            axes[name] = cf.variable(name, one.centres(), "1", f"state {name}", cell_width=one.width)
+        axes["end"] = cf.variable("end", np.arange(len(found)), "1", "number of the end")
+        about = {"title": "What motions of a system from a grid end on", "mode": begin}
+        return self._dataset({}, data, axes, about)
+
+    def _dataset(self, own: cf.Variables, found: cf.Variables, axes: cf.Variables, about: dict[str, str]) -> xr.Dataset:
+        """Return a dataset that says of which system it is; of ``own`` and ``axes`` names are those of the system."""
+        names = [*own, *found, *axes]
+        if twice := [name for name in names if names.count(name) > 1]:
+            raise InputError(f"{twice[0]} has a meaning of its own in this answer; take another name for what has it.")
+        return cf.answer(own | found, axes, {**MADE_BY, "system": json.dumps(self.keys()), **about})
+
+    def _check_parameter(self, name: Any) -> None:
+        if name not in [*self.parameters]:
+            known = ", ".join(self.parameters) or "none"
+            raise InputError(f"{shown(name)} is no parameter of the system; its parameters are {known}.")
 
     def _check_names(self) -> None:
         seen: dict[str, str] = {}
-        pairs = [name for pair in self.harmonics for name in pair]
+        pairs = [name for pair in self.harmonics for name in pair.split(", ")]
         for what, names in zip(KEYS, (self.states, self.parameters, pairs, self.clocks), strict=False):
             for name in names:
                 if check_name(name) in seen:
@@ -126,43 +302,43 @@ class System:
                 seen[name] = what
 
     def _mode(self, mode: str, given: Any) -> dict[str, Any]:
-        about, n = f"modes.{mode}", len(self.states)
+        about, names = f"modes.{mode}", [*self.states]
         if not mode.strip() or "|" in mode:
             raise InputError(f"{shown(mode)} cannot be the name of a mode; | stands between modes that slide.")
         if not (isinstance(given, Mapping) and "matrix" in given):
-            own = _known(about, given, self.states, self.states)
-            return {name: _value(own[name]) for name in self.states}
-        own = _known(about, given, ("matrix", "vector"), ("matrix",))
-        matrix = [_listed(f"{about}.matrix", row) for row in _listed(f"{about}.matrix", own["matrix"])]
-        vector = _listed(f"{about}.vector", own.get("vector", [0] * n))
-        if [len(row) for row in matrix] != [n] * n or len(vector) != n:
+            own = _known(about, given, names, names)
+            return {name: _value(own[name]) for name in names}
+        own, n = _known(about, given, ("matrix", "vector")), len(names)
+        matrix, vector = (np.array(x, dtype=object) for x in (own["matrix"], own.get("vector", [0] * n)))
+        if matrix.shape != (n, n) or vector.shape != (n,):
             raise InputError(f"{about} needs a matrix of {n} by {n} numbers and a vector of {n}, one a state.")
-        return {"matrix": [[*map(_value, row)] for row in matrix], "vector": [*map(_value, vector)]}
+        return {"matrix": [[*map(_value, row)] for row in matrix.tolist()], "vector": [*map(_value, vector.tolist())]}
 
-    def _event(self, about: str, given: Any) -> Event:
+    def _event(self, about: str, given: Any) -> dict[str, Any]:
         own = _known(about, given, Event._fields, ("mode",))
-        modes = (own["mode"],) if isinstance(own["mode"], str) else tuple(_listed(f"{about}.mode", own["mode"]))
-        for name in (*(modes or [None]), *(own[key] for key in ("to", "beyond") if own.get(key) is not None)):
-            if not isinstance(name, str) or not {*name.split("|")} <= {*self.modes}:
-                raise InputError(f"{about} names the mode {shown(name)}; modes are {', '.join(self.modes)}.")
+        own["mode"] = [own["mode"]] if isinstance(own["mode"], str) else _listed(f"{about}.mode", own["mode"]) or [None]
         if ("when" in own) == ("at_clock" in own):
             raise InputError(f"{about} needs when, such as x > 1, or at_clock, the name of a clock, and not both.")
         if own.get("at_clock") not in [None, *self.clocks]:
             known = ", ".join(self.clocks) or "none"
             raise InputError(f"{about}.at_clock = {own['at_clock']} is no clock; clocks are {known}.")
         reset = _known(f"{about}.reset", own.get("reset"), (*self.states, *self.clocks))
-        return Event(**own | {"mode": modes, "reset": {name: _value(x) for name, x in reset.items()}})
+        own["reset"] = {name: _value(x) for name, x in reset.items()}
+        return {key: x for key, x in own.items() if x}
 
-    def _surface(self, about: str, given: Any) -> SurfaceBetween:
-        own = _known(about, given, SurfaceBetween._fields, SurfaceBetween._fields)
-        between = _listed(f"{about}.between", own["between"])
+    def _surface(self, about: str, given: Any) -> dict[str, Any]:
+        own = _known(about, given, ("between", "at"), ("between", "at"))
+        between = own["between"] = _listed(f"{about}.between", own["between"])
         if len(between) != 2 or between[0] == between[1] or any(name not in [*self.modes] for name in between):
-            raise InputError(f"{about}.between = {shown(own['between'])} is not two modes of {', '.join(self.modes)}.")
-        return SurfaceBetween((between[0], between[1]), own["at"])
+            raise InputError(f"{about}.between = {shown(between)} is not two modes of {', '.join(self.modes)}.")
+        return own
+
+
+def _start(mode: str, state: State) -> str:
+    return json.dumps({"mode": mode, "state": names_and_values("start", state)})
 
 
 def _listed(about: str, given: Any) -> list[Any]:
-    given = given.tolist() if isinstance(given, np.ndarray) else given
     if isinstance(given, (str, Mapping)) or not isinstance(given, Iterable):
         raise InputError(f"{about} = {shown(given)} is not a list.")
     return [*given]
@@ -188,15 +364,7 @@ def _value(given: Any) -> Any:
     return float(given) + 0.0
 
 
-def _pair(key: str) -> tuple[str, str]:
-    names = [name.strip() for name in key.split(",")]
-    if len(names) != 2:
+def _pair(key: str) -> str:
+    if key.count(",") != 1:
         raise InputError(f"harmonics has {shown(key)}, which is not two names, such as 'c, s'.")
-    return names[0], names[1]
-
-
-def _plain(value: Any) -> Any:
-    """Return lists and dictionaries in place of tuples and mappings, all the way down."""
-    if isinstance(value, Mapping):
-        return {key: _plain(x) for key, x in value.items()}
-    return [*map(_plain, value)] if isinstance(value, (tuple, list)) else value
+    return ", ".join(name.strip() for name in key.split(","))
