@@ -65,7 +65,7 @@ class StabilityReport:
         for key, found in self.quantities.items():
             yield f"  {key}: {words.quantity(found.value, found.unit)}"
         for key, condition in self.conditions.items():
-            yield f"  condition {key}: {'holds' if condition.hold else 'does not hold'}"
+            yield f"  {words.plain(key)} instability: {'occurs' if condition.hold else 'does not occur'}"
 
 
 @dataclass(frozen=True)
@@ -105,6 +105,10 @@ class Threshold:
     ``enclosure`` are None, and ``reason`` says why. ``statement``: what it divides (forces for Ω > 0). Of ``onset``
     also ``stability``, asymptotic or neutral, in the ``stable_intervals`` of the unknown, from low to high, None at the
     end of its range.
+
+    >>> onset = lsvib.Drive(translation_damping=1000).threshold("onset", unknown="axial_force")  # R̃ = 0, eq. 8.19
+    >>> f"{onset.value:.6f} {onset.unit}", onset.stable_intervals[0][0]
+    ('20.206611 N', None)
     """
 
     name: str

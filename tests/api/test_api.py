@@ -5,6 +5,7 @@ Parameters of parts and frictions against the ground are varied from a drive tha
 
 import copy
 import doctest
+import importlib
 import json
 import multiprocessing
 import pickle
@@ -152,6 +153,18 @@ def test_examples_of_docstrings_and_documentation():
     text, own = page.read_text(encoding="utf-8"), vars(lsvib.Drive).keys() - vars(api.drive.Drive).keys()
     assert result.attempted > 0
     assert [name for name in (*lsvib.__all__, *own) if name[0] != "_" and name not in text] == []
+
+
+QUICK = "drives.drive drives.scene systems.grid systems.system results sheets.output sheets.inverse"
+LONG = [pytest.param(of, marks=pytest.mark.slow) for of in ("pictures.answers", "sheets.fit_output")]
+
+
+@pytest.mark.parametrize("of", [*QUICK.split(), *LONG])
+def test_examples_of_what_users_call(of, monkeypatch):
+    monkeypatch.chdir(ROOT)
+    result = doctest.testmod(importlib.import_module(f"lsvib.{of}"), extraglobs={"lsvib": lsvib})
+    assert result.attempted > 0
+    assert result.failed == 0
 
 
 @pytest.mark.slow

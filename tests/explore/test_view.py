@@ -156,7 +156,7 @@ def test_a_light_request_beside_heavy_ones_is_answered_in_a_second(port):
         assert time.monotonic() - began < 1.5
     given = [one.result() for one in asked]
     assert [status for status, _ in given] == [200, 400, 400]
-    assert all("takes more work than a page may do; shorten it" in text for _, text in given[1:])
+    assert all("takes too long for a page; shorten it" in text for _, text in given[1:])
 
 
 @pytest.mark.slow

@@ -22,12 +22,12 @@ QUANTITIES = {  # by the words of the advice
     "lead of the thread": "lead", "pitch diameter of the thread": "diameter", "half angle of the thread": "half_angle",
     "friction of the threads": "mu", "slope of friction over the sliding speed": "slope", "rotating inertia": "I",
     "stiffness of the coupling": "k", "rotational damping of the screw": "c", "damping of the load's travel": "c_x",
-    "moved mass": "m", "friction torque of the bearing": "T", "friction torque of the bearing at rest": "T_s",
+    "moved mass": "m", "friction torque of the bearing": "T", "static friction torque of the bearing": "T_s",
     "friction of the thrust collar": "mu_b", "mean diameter of the thrust collar": "d_b", "friction of the guide": "F",
-    "friction of the guide at rest": "F_s", "rise of friction towards slow sliding": "rise",
-    "sliding speed over which the rise of friction fades": "v_s", "friction of the threads at rest": "mu_s",
-    "inertia of the motor, at the screw": "J", "stiffness of the motor's control, at the screw": "K_i",
-    "damping of the motor's control, at the screw": "K_p", "damping of the coupling": "d", "speed": "speed",
+    "static friction of the guide": "F_s", "rise of friction towards slow sliding": "rise",
+    "sliding speed over which the rise of friction fades": "v_s", "static friction of the threads": "mu_s",
+    "inertia of the motor, at the screw": "J", "stiffness of the motor's controller, at the screw": "K_i",
+    "damping of the motor's controller, at the screw": "K_p", "damping of the coupling": "d", "speed": "speed",
     "force on the load": "force",
 }  # fmt: skip
 CHANGE = re.compile(
@@ -94,7 +94,7 @@ def advised(lines: list[str]) -> Iterator[tuple[str, float, bool]]:
     A damping that is added is told by its value.
     """
     for line in lines:
-        changes = line.rstrip(".").split("values: ", 1)[1].split("; ") if "alone ends" in line else ()
+        changes = filter(None, line.rstrip(".").partition(" at the middle values: ")[2].split("; "))
         for words, figure, power, kind, knock in (CHANGE.match(text).groups() for text in changes):
             power = (power or "0").translate(str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789"))
             number = float(figure) * 10.0 ** int(power)

@@ -62,7 +62,7 @@ def test_the_page_needs_no_other_file(seat):
 
 def test_every_cause_has_its_plain_meaning_beside_it(seat):
     page = re.sub(r"base64,[^\"]*", "", (seat[0] / "index.html").read_text(encoding="utf-8"))
-    for term, meaning in (("Kinematic constraint", "Wedging"), ("Negative damping", "amplified instead of damped")):
+    for term, meaning in (("Kinematic constraint", "Wedging"), ("Negative damping", "instead of dying out")):
         assert page.index(meaning) - page.index(f">{term}") < 400
     for foreign in ("Painlevé", "eigenvalue", "Hurwitz", "Γ", "ξ"):
         assert foreign not in page

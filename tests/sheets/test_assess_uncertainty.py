@@ -117,8 +117,8 @@ def test_the_first_line_says_that_it_jerks_up_to_which_speed_and_how_often():
     cycle = drive.steady_state("rest")
     assert started.motion.frequency == pytest.approx(1 / cycle.period, rel=1e-9)
     assert started.motion is found.nominal.vibration
-    assert "it jerks 2.04 times a second by 30.2 µm; from 8.8 rpm" in brief(found)[0]
-    assert "Each of these changes alone ends the jerks" in " ".join(brief(found))
+    assert "it jerks 2.04 times a second, 30.2 µm each time; at 8.8 rpm" in brief(found)[0]
+    assert "Any one of these changes ends the jerks" in " ".join(brief(found))
 
 
 def test_the_other_direction_is_that_of_the_record():
@@ -131,7 +131,7 @@ def test_the_other_direction_is_that_of_the_record():
 def test_above_the_even_speed_it_is_steady():
     found = assess(Sheet.of({**JERKING, "operation": {"speed": "9.5 rpm", "direction": "both"}}), samples=64)
     assert (found.verdict, found.from_rest.jerks) == ("steady", False)
-    assert "Started from rest, it runs evenly from 8.79 rpm" in brief(found)[0]
+    assert "Started from rest, it runs evenly at 8.79 rpm" in brief(found)[0]
 
 
 def drawn(seed: int) -> dict:

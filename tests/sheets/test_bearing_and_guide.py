@@ -163,7 +163,7 @@ def test_reserves_are_those_of_the_whole_drive(support):
 def test_the_report_says_which_oscillations_the_control_reaches():
     """That of both on the gains is damped by them, that of the screw against the motor on the coupling hardly."""
     found = assess(Sheet.of(MEASURED), samples=64)
-    without = re.search(r"control gives: (.*?)\. What it", report(found, []))[1]
+    without = re.search(r"motor's controller: (.*?)\. The controller", report(found, []))[1]
     slow, fast = (
         [one.damping_ratio for one in found.resonances],
         [float(x) for x in re.findall(r"ζ = ([\d.]+)", without)],

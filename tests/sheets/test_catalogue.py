@@ -40,7 +40,7 @@ def test_what_can_be_bought_ends_the_vibration_unless_it_is_fixed():
     found = assess(Sheet.of(DAMPED | {"fixed": ["thread.lead_angle", "friction", "damping.rotational"]}), samples=64)
     free = {row.quantity for row in found.changes} | {step.kind for one in found.purchases for step in one.steps}
     assert not free & {"lead", "pitch_diameter", "friction_coefficient", "support_damping", "thread", "nut", "damper"}
-    with pytest.raises(InputError, match=r"^fixed speaks of 'thread.colour', which is no entry of the sheet\.$"):
+    with pytest.raises(InputError, match=r"^fixed names 'thread.colour', which is no entry of the sheet\.$"):
         Sheet.of(DAMPED | {"fixed": ["thread.colour"]})
 
 
@@ -69,9 +69,9 @@ def test_a_stepper_meets_a_resonance_with_its_steps():
     own = CHAPTER | {"motor": {"inertia": "5e-6 kg*m^2", "holding_torque": "0.4 N*m", "steps_per_turn": 200}}
     own |= {"coupling": {"stiffness": "10 N*m/rad", "gear_ratio": 2}, "operation": {"speed": ["40 rpm", "100 rpm"]}}
     found = assess(Sheet.of(own), samples=64)
-    full = 60 * found.resonances[0].frequency / 400
+    full, told = 60 * found.resonances[0].frequency / 400, said("stepper", found)
     assert found.resonances[0].met.keys() == {1, 2}
-    assert f"full step at {full:.3g} rpm of the screw, every second at {2 * full:.3g} rpm" in said("stepper", found)
+    assert f"full step at {full:.3g} rpm of the screw, every second step at {2 * full:.3g} rpm" in told
 
 
 def test_the_parts_of_the_worst_torque_add_up_and_a_guess_is_named():

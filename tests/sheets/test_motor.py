@@ -81,7 +81,7 @@ def test_up_to_the_highest_speed_the_curve_is_enough(more):
 
 WEAK = "The motor is too weak: moving the load takes 271 mN m at the motor, which gives"  # 8 mm · mg tan(λ + ρ) + c Ω
 MAY = "The motor may be too weak: within the given uncertainties moving the load takes up to 314 mN m at the motor"
-HOLDS = "The brake is too weak: holding the load without current takes 76.1 mN m, and it holds 50 mN m at most. What"
+HOLDS = "The brake is too weak: holding the load without current takes 76.1 mN m, but it holds 50 mN m at most. What"
 BOTH = {"rated_torque": "0.2 N*m", "torque_curve": [["0 rpm", "1 N*m"], ["999 rpm", "1 N*m"]]}
 GIVES, STEPPER = {"motor": {"rated_torque": "0.28 N*m"}}, {"inertia": "5e-5 kg*m^2", "holding_torque": "0.6 N*m"}
 
@@ -102,7 +102,7 @@ def test_what_is_too_weak_is_said_first(more, verdict, first):
     assert (told["verdict"], told["vibration"], told["brief"][0][: len(first)]) == (verdict, "steady", first)
     assert all(text in page for text in (first, *told["brief"][3:]))
     assert ("holding torque at every speed" in page) == ("holding_torque" in more.get("motor", ()))
-    assert ("only up to about half of its holding torque" in page) == ("100 mN m" in first)
+    assert ("only up to about half its holding torque" in page) == ("100 mN m" in first)
 
 
 @pytest.mark.parametrize("back", [False, True])

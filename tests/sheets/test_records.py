@@ -115,7 +115,7 @@ def others(seed):
     half = np.maximum(1 + 1.2 * np.sin(wave), 0)
     stops, only = (
         "the recorded speed is often far below its mean, as of jerks, but ",
-        "at rest; only where the screw turns is it steady motion.",
+        "at rest; only where the screw turns can it be steady motion.",
     )
     return {
         "rest": ("rest", "the screw rests, or turns as much one way as the other.", 0 * even, even),
@@ -129,7 +129,7 @@ def others(seed):
         "line": ("even", "the screw", 1 + 0.2 * np.sin(wave), 1 + 0.2 * np.cos(wave)),
         "sawtooth": ("jerks", "the torque climbs slowly and falls fast as of jerks, while", even, teeth),
         "smooth": ("jerks", f"{stops}its torque does not climb slowly and fall fast;", half, 1 + 0.2 * np.cos(wave)),
-        "reverse": ("jerks", f"{stops}its torque climbs fast and falls slowly, as samples rarer", *jerks(phase, -0.4)),
+        "reverse": ("jerks", f"{stops}its torque climbs fast and falls slowly, as fewer than two", *jerks(phase, -0.4)),
         "rare": ("jerks", f"{stops}it is sampled less than 2.3 times a jerk;", *jerks(AT / 2.15)),
         "none": ("jerks", f"{stops}at no one frequency that stands out;", jump, 0 * even),
         "alike": ("jerks", f"{stops}at no one frequency that stands out;", jump + also, teeth + more),
@@ -137,7 +137,7 @@ def others(seed):
         "late": ("jerks", f"{stops}not while its torque climbs;", 2.0 * (abs(phase % 1 - 0.6) < 0.24), teeth),
         "few": ("jerks", f"{stops}only 7 times;", *jerks(0.055 * AT[:130])),
         "short": ("jerks", f"{stops}there are only 60 samples;", *jerks(0.21 * AT[:60])),
-        "more": ("jerks", f"{stops}ever more or ever less often;", *jerks(np.cumsum(np.linspace(0.09, 0.15, 400)))),
+        "more": ("jerks", f"{stops}more and more, or less", *jerks(np.cumsum(np.linspace(0.09, 0.15, 400)))),
     }  # fmt: skip
 
 
@@ -156,7 +156,7 @@ def test_jerks_need_even_times_and_two_samples_in_a_ramp(monkeypatch):
     assert look(Recording("x", *jerks(0.131 * AT), time=np.round(0.128 * AT, 2))).stiffness is not None
     for time in (None, AT + 99 * (AT > 200), 0 * AT, -AT):
         (said,) = look(Recording("x", *jerks(0.13 * AT), time=time)).said
-        assert "but its samples are not known to be evenly spaced in time; no numbers are told." in said
+        assert "but its samples are not known to be evenly spaced in time; no numbers are given." in said
     monkeypatch.setattr("lsvib.sheets.torque.records.RAMP", (0.5, 0.55))
     assert "but few of its ramps hold two samples;" in look(Recording("x", *jerks(0.13 * AT)), 1.0).said[0]
 

@@ -59,7 +59,7 @@ def test_us_units_stand_beside_si_and_limits_that_are_not_known_are_said(tmp_pat
     (tmp_path / "gate.yaml").write_text(yaml.safe_dump(GATE), encoding="utf-8")
     found, us = (lsvib.assess(tmp_path / "gate.yaml", units=units) for units in ("si", "us"))
     torque = found["statics"]["lifting_torque"]["middle"]
-    assert f"takes {torque:.3g} N m ({torque / 4.4482216152605 / 0.0254:.3g} lbf·in) and" in " ".join(us["brief"])
+    assert f"needs {torque:.3g} N m ({torque / 4.4482216152605 / 0.0254:.3g} lbf·in) and" in " ".join(us["brief"])
     assert {**us, "brief": 0} == {**found, "brief": 0}
     assert "No PV limit is known for acetal, so none is checked; give nut.pv_limit." in " ".join(found["brief"])
     with pytest.raises(InputError, match="may be acetal_dry or acetal_wet or acetal_oil"):

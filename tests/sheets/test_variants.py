@@ -52,7 +52,7 @@ def test_each_row_is_answered_as_its_own_sheet(run):
 REFUSED = {  # a table and its options: words of the sentence
     "load.mas [kg]\n5\n|": "All variants in v.csv are refused: load.mas is not a known key",
     "load.force\n5 lbz\n|": "refused: load.force = '5 lbz' has the unit 'lbz'",
-    "load.force [N]\n|": "All variants in v.csv are refused: there are none",
+    "load.force [N]\n|": "All variants in v.csv are refused: it has no rows",
     "|": "Cannot read v.csv: No columns to parse from file.",
     "load.force [N]\n2,5\n|": "v.csv is not a table: its rows have more cells",
     "load.force [N]\n5\n|--out folder": "out = folder does not end in .csv",
@@ -66,5 +66,5 @@ def test_what_is_no_table_of_variants_is_refused(run, table):
     Path("v.csv").write_text(text)
     Path("base.yaml").write_text(yaml.safe_dump(BASE))
     assert REFUSED[table] in refused(run, "assess", "v.csv", "--base", "base.yaml", *more.split())
-    assert "--base goes with a CSV file" in refused(run, "assess", "base.yaml", "--base", "base.yaml")
+    assert "--base is for a CSV file" in refused(run, "assess", "base.yaml", "--base", "base.yaml")
     assert "this command writes index.html" in refused(run, "assess", "base.yaml", "--out", "t.csv")

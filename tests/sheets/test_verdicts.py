@@ -113,7 +113,7 @@ def test_shares_from_rest_are_those_of_the_drives_drawn(speed, verdict, share):
     found = assessed(SCATTERED, 256, operation={"speed": f"{speed} rad/s", "direction": "out"})
     assert found.verdict == verdict
     assert found.from_rest.share == pytest.approx(share, abs=3 * (share * (1 - share) / 256) ** 0.5)
-    assert "1.19 rpm (39.7 µm/s at the load) upwards" in brief(found)[0]
+    assert "1.19 rpm (39.7 µm/s at the load) and above" in brief(found)[0]
     assert "at the middle values. Of 256 drives" in brief(found)[0]
     assert found.from_rest.ends
 

@@ -78,7 +78,7 @@ class Cycles:
             yield words.table([("", *row) for row in rows])
         for family in self.families:
             period = f"one of them with period {family.period:.9g} s" if family.orbit else "of several frequencies"
-            yield f"neutral oscillations side by side, {period}"
+            yield f"a family of neutral oscillations, {period}"
 
 
 _WORKS = ("motor", "load", "friction", "damping", "impacts")
@@ -97,7 +97,7 @@ def find_cycles(drive: Drive, automaton: Automaton) -> Cycles:
             far = " up to 10⁵ times the input speed" if friction.depends_on_speed(drive) else ""
             return Cycles((), (), f"There is no cycle{far}: steady sliding is globally stable{far}.")
         kind = basin.boundary.name.lower().replace("_", " ")
-        proved = f"Not every motion settles; the boundary of the basin of steady sliding is known (its kind: {kind})."
+        proved = f"Not every motion settles: the basin of steady sliding has a known boundary, a {kind}."
         if basin.boundary == Boundary.CYCLE:
             arcs = [piece for piece in basin.curves[0] if isinstance(piece, Arc)]
             mode, start = enter(automaton, state_on(basin.flow, arcs[0], 0.5 * arcs[0].duration))

@@ -36,13 +36,13 @@ def config(*, changes: Changes = None, scene: SceneFile = None, as_json: AsJson 
     for key, value in made.model_dump().items():
         about, allowed = described(key), allowed_range(Drive, key)
         fields[key] = {"value": value, "unit": about["unit"], "symbol": about["symbol"], "allowed": allowed}
-        rows.append((key, about["symbol"], "not there" if value is None else f"{value:.15g}", about["unit"], allowed))
+        rows.append((key, about["symbol"], "absent" if value is None else f"{value:.15g}", about["unit"], allowed))
     show(fields, as_json, [table(rows, "parameter", "symbol", "value", "unit", "allowed range")])
 
 
 @app.command
 def describe(*, changes: Changes = None, as_json: AsJson = False) -> None:
-    """Show what a drive is made of: parts that comply, coordinates, equations of motion with numbers, modes.
+    """Show the model of a drive: compliant parts, coordinates, equations of motion with numbers, modes.
 
     Example of use:
 
@@ -54,7 +54,7 @@ def describe(*, changes: Changes = None, as_json: AsJson = False) -> None:
     found, where = description_of(own), "in steady sliding" if own.input_speed else "with the coupling relaxed"
 
     def text() -> Iterator[str]:
-        yield f"What complies: {', '.join(found.parts) or 'nothing but the coupling'}."
+        yield f"Compliant parts: {', '.join(found.parts) or 'the coupling only'}."
         yield "\nEquations (SI units; n axial contact force, τ torque of the threads)"
         yield from (f"  {line}" for line in found.equations)
         rows = ((key, unit, meaning) for key, (meaning, unit) in found.coordinates.items())
@@ -67,9 +67,9 @@ def describe(*, changes: Changes = None, as_json: AsJson = False) -> None:
 
 @app.command
 def pairings(*, as_json: AsJson = False) -> None:
-    """List the friction that is known by name, with its source, for --set friction=NAME.
+    """List friction coefficients by name, with their sources, for --set friction=NAME.
 
-    Example of use:
+    Examples of use:
 
         lsvib pairings
 
@@ -92,14 +92,14 @@ def thresholds(
     solve: Annotated[str | None, Parameter(help=f"One threshold by name: {', '.join(TABLE)}.")] = None,
     unknown: Annotated[
         str | None,
-        Parameter(name="--for", help="The parameter to solve for; others are held. By default the usual one of each."),
+        Parameter(name="--for", help="Parameter to solve for, all others held; by default the usual one of each."),
     ] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Compute the thresholds of the drive that --set makes, each solved for one parameter.
+    """Compute the thresholds of a drive, each solved for one parameter.
 
-    All of them by name, beside what the chapter prints for this very drive, or with --solve one of them with its
-    enclosure, all solutions, and derivatives by all other parameters.
+    Lists all of them, beside what the chapter prints for the same drive; --solve takes one of them and adds its
+    enclosure, all solutions, and derivatives with respect to all other parameters.
 
     Examples of use:
 
@@ -121,7 +121,7 @@ def thresholds(
 
 @app.command
 def stability(*, changes: Changes = None, as_json: AsJson = False) -> None:
-    """Say whether steady sliding is stable: its class, eigenvalues, and each condition of instability.
+    """Tell whether steady sliding is stable: class, eigenvalues, and which instabilities occur.
 
     Examples of use:
 

@@ -18,7 +18,7 @@ def draw(
     file: Annotated[Path, Parameter(help="netCDF file of a motion, sweep, branch of cycles or map.")],
     figure: Annotated[Path, Parameter(help="PNG file to draw it to; a PDF is written beside it.")],
     *,
-    kind: Annotated[str | None, Parameter(help="Of a motion phase_plane or friction_loop, else over time.")] = None,
+    kind: Annotated[str | None, Parameter(help="Of motions: phase_plane or friction_loop, else over time.")] = None,
 ) -> None:
     """Draw a file that another command wrote.
 
@@ -38,7 +38,7 @@ def figure(
     number: Annotated[str, Parameter(help="Number in the chapter, e.g. 8.6, or name, e.g. nut_stability.")],
     *,
     changes: Changes = None,
-    config: Annotated[Path | None, Parameter(help="Settings of the figures; see below for the default.")] = None,
+    config: Annotated[Path | None, Parameter(help="Settings of the figures; the default is named above.")] = None,
     out: Annotated[Path, Parameter(help="Folder to write to.")] = Path("figures"),
     as_json: AsJson = False,
 ) -> None:
@@ -46,7 +46,7 @@ def figure(
 
     The files are FOLDER/fig8_06.nc, fig8_06_checks.json, fig8_06.png and fig8_06.pdf; the results of the workflow stay
     as they are. The settings are those of the file config/config.yaml if there is one here, else those that come with
-    lsvib. Changed parameters leave the chapter's, so its checks are then reported as they come out, not enforced. A
+    lsvib. With changed parameters the chapter no longer applies, so its checks are reported, not enforced. A
     parameter that the figure varies itself, or does not depend on, cannot be changed.
 
     Examples of use:

@@ -14,7 +14,7 @@ from lsvib.words import plain
 
 Quantities = Annotated[
     list[Literal["label", "time", "seizures", "first_event", "doubt"]],
-    Parameter(consume_multiple=True, negative="", help="What to store of each cell; the label always is."),
+    Parameter(consume_multiple=True, negative="", help="What to store for each cell; the label always is."),
 ]
 
 
@@ -25,9 +25,9 @@ def simulate(
     changes: options.Changes = None,
     scene: options.SceneFile = None,
     start: options.Start = None,
-    duration: Annotated[float | None, Parameter(help="Time [s] that the motion is followed.")] = None,
+    duration: Annotated[float | None, Parameter(help="Duration of the motion [s].")] = None,
     samples: Annotated[options.Whole | None, Parameter(help="Number of output times, both ends included.")] = None,
-    outputs: Annotated[list[str] | None, Parameter(help="What to write.", consume_multiple=True, negative="")] = None,
+    outputs: Annotated[list[str] | None, Parameter(help="Output names.", consume_multiple=True, negative="")] = None,
     figure: options.Picture = None,
     system: options.SystemFile = None,
     as_json: options.AsJson = False,
@@ -69,9 +69,9 @@ def sweep(
     system: options.SystemFile = None,
     as_json: options.AsJson = False,
 ) -> None:
-    """Sweep parameters of a drive: what it does, how large and how fast, the forces; over two, with exact curves.
+    """Sweep parameters of a drive: its behaviour, amplitudes, periods and forces; over two, with exact boundaries.
 
-    Without a start what the drive does is told by motions from beside steady sliding, from far away and from rest.
+    Without --start, motions from near steady sliding, from far away and from rest tell how the drive behaves.
 
     Examples of use:
 
@@ -110,11 +110,11 @@ def cycles(
     system: options.SystemFile = None,
     start: options.Start = None,
     box: Annotated[options.Window, Parameter(help="Of a system: KEY=LOW:HIGH of states, to draw starts from.")] = None,
-    count: Annotated[options.Whole, Parameter(help="Of a system: number of starts that are drawn from the box.")] = 100,
-    seed: Annotated[options.Whole, Parameter(help="Of a system: seed by which they are drawn.")] = 0,
+    count: Annotated[options.Whole, Parameter(help="Of a system: number of starts to draw from the box.")] = 100,
+    seed: Annotated[options.Whole, Parameter(help="Of a system: seed of the random starts.")] = 0,
     as_json: options.AsJson = False,
 ) -> None:
-    """Find the cycles of a drive, attracting and repelling: period, multipliers, amplitude, work.
+    """Find the limit cycles of a drive, attracting and repelling: period, multipliers, amplitude, work.
 
     Examples of use:
 
@@ -137,15 +137,15 @@ def follow(
     *,
     over: options.Ends,
     changes: options.Changes = None,
-    cycle: Annotated[options.Whole, Parameter(help="Which of the cycles that lsvib cycles lists, from 1.")] = 1,
-    points: Annotated[options.Whole, Parameter(help="Most points each way.")] = 1000,
+    cycle: Annotated[options.Whole, Parameter(help="Number of the cycle in the list of lsvib cycles, from 1.")] = 1,
+    points: Annotated[options.Whole, Parameter(help="Largest number of points each way.")] = 1000,
     out: options.OutFile | None = None,
     figure: options.Picture = None,
     system: options.SystemFile = None,
     start: options.Start = None,
     as_json: options.AsJson = False,
 ) -> None:
-    """Follow a cycle over a parameter, both ways, through folds and changes of its events, which are named.
+    """Follow a limit cycle over a parameter, both ways, and name its folds and the changes of its events.
 
     Examples of use:
 
@@ -187,7 +187,7 @@ def attraction(
     start: options.Start = None,
     as_json: options.AsJson = False,
 ) -> None:
-    """Map the region of attraction: the attractor of the motion from every start of a grid.
+    """Map regions of attraction: the attractor of the motion from every start of a grid.
 
     Examples of use:
 

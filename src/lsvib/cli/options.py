@@ -100,17 +100,17 @@ def several(read: Callable[[str], Any], help: str, **more: Any) -> Parameter:
 
 
 Whole = Annotated[int, one(_whole)]
-Workers = Annotated[int, one(_whole, "Number of threads; it changes no result.")]
+Workers = Annotated[int, one(_whole, "Number of threads; the result does not depend on it.")]
 Start = Annotated[
     list[Coordinate] | None,
     several(
         _started,
-        "State at t = 0: u=RAD w=RAD_PER_S ..., or rest, as it is switched on; of a system its mode and states.",
+        "State at t = 0: u=RAD w=RAD_PER_S ..., or rest, as switched on; of a system its mode and states.",
         consume_multiple=True,
     ),
 ]
 Over = Annotated[list[Steps], several(_steps, "KEY=START:STOP:COUNT: a parameter to vary; repeatable.")]
-Ends = Annotated[Span, one(_span, "KEY=LOW:HIGH: the parameter and its range, with the drive's own value.")]
+Ends = Annotated[Span, one(_span, "KEY=LOW:HIGH: the parameter and its range, which holds the drive's own value.")]
 Window = Annotated[
     list[Span] | None, several(_span, "Part of the phase plane: u=LOW:HIGH w=LOW:HIGH.", consume_multiple=True)
 ]
@@ -118,7 +118,7 @@ GridOfStarts = Annotated[
     list[Steps | Coordinate],
     several(
         lambda text: _steps(text) if ":" in text else _coordinate(text),
-        "Two axes KEY=START:STOP:COUNT; KEY=VALUE fixes another.",
+        "Two axes KEY=START:STOP:COUNT; KEY=VALUE fixes any other coordinate.",
         consume_multiple=True,
     ),
 ]
@@ -126,7 +126,7 @@ Changes = Annotated[
     list[Pair] | None, several(_pair, "KEY=VALUE: change a parameter of the drive; repeatable.", name="--set")
 ]
 SystemFile = Annotated[
-    Path | None, Parameter(help="YAML file of a system of one's own in place of the drive; --set changes parameters.")
+    Path | None, Parameter(help="YAML file of your own system, in place of the drive; --set changes its parameters.")
 ]
 SceneFile = Annotated[Path | None, Parameter(help="YAML file of a scene to start from.")]
 OutFile = Annotated[Path, Parameter(help="File to write: netCDF (.nc), or its table alone (.csv).")]

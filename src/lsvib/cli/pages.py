@@ -32,12 +32,12 @@ def fit(
     out: Annotated[Path | None, Parameter(help="Folder for dataset, JSON, pictures and friction.yaml.")] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Fit the friction of a screw to its torque over the speed: the law, its errors, and what the data cannot tell.
+    """Fit a friction law to the measured torque of a screw: the law, its errors, and what the data cannot tell.
 
-    It reads what drives log: speed or position, torque or current. Of records over time it also finds the inertia, and
-    what jerks tell of static friction, spring and damper of the drive; docs/measure.md says what to measure.
+    It reads what drives log: speed or position, torque or current. Records over time also give the inertia, and jerks
+    the static friction, spring and damper of the drive; docs/measure.md says what to measure.
 
-    Examples of use:
+    Example of use:
 
         lsvib fit examples/measured_screw/measured_screw.yaml --out fitted
     """
@@ -53,19 +53,19 @@ def fit(
 def assess(
     sheet: Annotated[Path | None, Parameter(help="Data sheet (YAML), or variants (CSV); docs/assess.md.")] = None,
     *,
-    base: Annotated[Path | None, Parameter(help="Data sheet that has what a CSV file of variants leaves out.")] = None,
+    base: Annotated[Path | None, Parameter(help="Data sheet with what a CSV file of variants leaves out.")] = None,
     out: Annotated[Path | None, Parameter(help="Folder for page, dataset and JSON; of variants a CSV file.")] = None,
     template: Annotated[bool, Parameter(negative="", help="Print a data sheet to fill in, and nothing else.")] = False,
-    samples: Annotated[Whole | None, Parameter(help="Drives drawn, a power of two: 4096, or 64 a variant.")] = None,
-    seed: Annotated[Whole, Parameter(help="Seed of the samples.")] = 1,
-    units: Annotated[Literal["si", "us"], Parameter(help="us: in, lbf, lbf·in and others beside SI units.")] = "si",
-    solve: Annotated[str | None, Parameter(help="An entry of the sheet to solve for, such as load.force.")] = None,
-    goal: Annotated[str | None, Parameter(name="--for", help="Row of statics, for its limit, or ROW=VALUE.")] = None,
+    samples: Annotated[Whole | None, Parameter(help="Drives drawn, a power of two: 4096, 64 per variant.")] = None,
+    seed: Annotated[Whole, Parameter(help="Seed of the random draws.")] = 1,
+    units: Annotated[Literal["si", "us"], Parameter(help="us: adds in, lbf, lbf·in and others to SI units.")] = "si",
+    solve: Annotated[str | None, Parameter(help="Entry of the sheet to solve for, such as load.force.")] = None,
+    goal: Annotated[str | None, Parameter(name="--for", help="Row of statics at its limit, or ROW=VALUE.")] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Assess a drive from its data sheet: will it vibrate, what does it bear, and what should be changed.
+    """Assess a drive from its data sheet: whether it vibrates, its torque and limits, and what to change.
 
-    Prints verdict, torque, efficiency, whether it holds its load, limits that are exceeded, and three changes.
+    Prints verdict, torque, efficiency, whether it holds its load, limits that are exceeded, and up to three changes.
 
     Examples of use:
 
@@ -74,10 +74,11 @@ def assess(
         lsvib assess examples/powered_seat.yaml --out report
 
         lsvib assess variants.csv --base drive.yaml --out table.csv
+
         lsvib assess drive.yaml --solve load.force --for motor.torque='60 N*m'
     """
     if template and (sheet is not None or out is not None):
-        raise InputError("lsvib assess --template goes without a data sheet and --out; it prints a sheet to fill in.")
+        raise InputError("lsvib assess --template takes no data sheet and no --out; it prints a sheet to fill in.")
     if template:
         print(files("lsvib.sheets").joinpath("template.yaml").read_text(encoding="utf-8"), end="")
         return
@@ -87,9 +88,9 @@ def assess(
         _assess_variants(sheet, base, out, 64 if samples is None else samples, seed, as_json)
         return
     if base is not None:
-        raise InputError("--base goes with a CSV file of variants; a data sheet has all entries itself.")
+        raise InputError("--base is for a CSV file of variants; a data sheet has all its entries itself.")
     if as_json and units == "us":
-        raise InputError("lsvib assess --json is in SI units alone; leave out --json or --units us.")
+        raise InputError("lsvib assess --json prints SI units only; leave out --json or --units us.")
     if (solve is None) != (goal is None):
         raise InputError("--solve and --for go together, such as --solve load.force --for motor.torque='60 N*m'.")
     require_folder(out, "index.html, assessment.nc and assessment.json")
@@ -117,10 +118,10 @@ def _assess_variants(table: Path, base: Path | None, out: Path | None, samples: 
 @app.command
 def explore(
     *,
-    port: Annotated[Whole, Parameter(help="Port of this machine to serve the page at; 0 takes a free one.")] = 5006,
+    port: Annotated[Whole, Parameter(help="Port to serve the page at; 0 takes a free one.")] = 5006,
     show: Annotated[bool, Parameter(negative="--no-show", help="Open the page in a browser.")] = True,
 ) -> None:
-    """Explore drives in a browser: phase plane, region of attraction, amplitudes, while you drag a parameter.
+    """Explore drives in a browser: phase plane, region of attraction and amplitudes follow as you drag a parameter.
 
     Examples of use:
 

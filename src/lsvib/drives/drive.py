@@ -201,7 +201,7 @@ class Drive(Checked):
             super().__init__(**values)
 
     def __setattr__(self, name: str, value: Any) -> None:
-        raise InputError(f"a drive does not change; drive.replace({name}=...) makes another one.")
+        raise InputError(f"a drive cannot be changed; drive.replace({name}=...) makes another one.")
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Drive):
@@ -280,16 +280,23 @@ class Drive(Checked):
 
     @classmethod
     def of(cls, values: "Drive | Mapping[str, Any] | None" = None, /, **more: Any) -> Self:
-        """Make a drive from another drive, or from names and values, with ``more`` of them.
+        """Make a drive from another drive, or from names and values [SI units], with ``more`` of them.
 
         Raises ``InputError`` in one sentence.
+
+        >>> lsvib.Drive.of({"mass": 11, "lead_angle": 0.1}, axial_force=-10)
+        Drive(lead_angle=0.1, mass=11.0, axial_force=-10.0)
         """
         if isinstance(values, Drive):
             return cls(**values.model_dump()).replace(**more)
         return cls(**{**names_and_values("drive", values), **more})
 
     def replace(self, /, **changes: Any) -> Self:
-        """Return a copy with some parameters changed, checked again."""
+        """Return a copy with some parameters [SI units] changed, checked again; raises ``InputError``.
+
+        >>> lsvib.Drive(mass=11).replace(mass=9, friction="steel_on_bronze_lubricated").mass
+        9.0
+        """
         return type(self)(**{**self.model_dump(), **_resolved(changes)})
 
     def exact(self) -> "ExactParameters":
@@ -354,7 +361,7 @@ def require_direction(drive: Drive) -> None:
     """Raise ``InputError`` for a drive that is let go, which has no steady sliding."""
     if not drive.input_speed:
         raise InputError(
-            "input_speed = 0 holds the motor still and lets the drive go, so there is no steady sliding; set a speed, "
+            "input_speed = 0 holds the motor still, so there is no steady sliding; set a speed, "
             "or follow motions from a start (simulate, sweep, attraction)."
         )
 

@@ -121,7 +121,11 @@ class Scene(Checked):
     ``rest``: the screw stands with the coupling relaxed as the motor begins to turn. ``command``: the commanded speed
     over time, :class:`lsvib.drives.scene.Command`, in place of the constant ``input_speed``, from whose steady
     sliding deviations are measured still. ``duration`` [s]. ``samples``: number of equidistant output times, both ends
-    included. ``outputs``: observables to store besides the state, the mode and the events.
+    included. ``outputs``: observables to store besides the state, the mode and the events. Raises ``InputError``.
+
+    >>> scene = lsvib.Scene(drive={"mass": 11}, start={"u": 0.1, "w": 0}, duration=0.1)
+    >>> lsvib.simulate(scene).sizes["time"], scene.terms
+    (1001, ('support_damping', 'axial_force', 'rest'))
     """
 
     drive: SerializeAsAny[Drive]

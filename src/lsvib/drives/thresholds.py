@@ -27,7 +27,7 @@ class Known:
 
 TABLE = {
     "even_speed": Known(
-        "On one side of it the motion from rest, as the motor is switched on, ends in steady sliding, on the other it "
+        "On one side of it the motion from rest, as when switched on, ends in steady sliding, on the other it "
         "does not.", "input_speed", drawn=True, constant=True,
     ),
     "onset": Known("Steady sliding attracts what is near on one side of it and repels it on the other.", drawn=True),
@@ -42,7 +42,7 @@ TABLE = {
     ),
     "stick": Known(
         "From the onset to this force slip has an attracting cycle that does not come to rest; beyond it slip comes to "
-        "a stand.", rigid=True, drawn=True, constant=True,
+        "rest.", rigid=True, drawn=True, constant=True,
     ),
     "detach": Known(
         "From the onset to this force slip from the end of rest reaches N = 0; beyond it the stick-slip cycle does "

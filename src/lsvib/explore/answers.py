@@ -68,8 +68,7 @@ def moved(view: View) -> Simulation:
         if found.motion.status != Status.WORK_SPENT:
             return found
     raise EngineError(
-        f"the motion of {view.duration:g} s takes more work than a page may do; shorten it, or follow it with "
-        "lsvib simulate."
+        f"the motion of {view.duration:g} s takes too long for a page; shorten it, or use lsvib simulate."
     )
 
 

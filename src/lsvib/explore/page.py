@@ -39,7 +39,7 @@ if (link) window.history.replaceState(null, "", link.getAttribute("href"));
 _HEADING = """
 <h1 style="font-size:1.3em;margin:0 0 .2em">lsvib explorer</h1>
 A motor turns a screw through a spring, the screw pushes a mass, and its threads rub. Drag a slider to change the drive;
-click in the phase plane to push the screw: colours say where the motion from there ends.
+click in the phase plane to push the screw: colours show where the motion from there ends.
 """
 _TEMPLATE = """{% block preamble %}<meta name="viewport" content="width=device-width, initial-scale=1">
 <link rel="icon" href="data:,">{% endblock %}"""
@@ -197,7 +197,7 @@ class Page:
         async def found(work: Callable[..., Any], *of: Any) -> Any:
             """What a piece of work returns, done in a thread while pages answer."""
             if perf_counter() > until:
-                raise InputError("What takes more than half a minute is left out; lsvib attraction and sweep do it.")
+                raise InputError("This would take over half a minute; use lsvib attraction or sweep.")
             result = await get_running_loop().run_in_executor(THREAD, partial(work, *of))
             if view is not self.view:  # another one is shown by now
                 raise CancelledError
@@ -232,7 +232,7 @@ class Page:
         view, shown, steady = self.view, self.shown, self.shown.steady
         words = [f"The motion of {view.duration:g} s has {shown.events} events."]
         if steady is None:
-            words.append("What it ends on is unresolved.")
+            words.append("Where it ends is unresolved.")
         elif steady.orbit is None:
             words.append(f"It ends on {plain(steady.label)}.")
         else:
@@ -253,7 +253,7 @@ class Page:
                 f"{coefficients.min():.3g} to {coefficients.max():.3g}."
             )
         if answers.laborious(view.drive):
-            words.append("The map is left out here: with a friction law and compliant parts it is work for")
+            words.append("The map is left out here: with a friction law and compliant parts it takes too long; use")
             words.append("`lsvib attraction`.")
         if self._shares:
             parts = [f"{plain(kind)} {100 * share:.1f} %" for kind, share in self._shares.items()]

@@ -81,7 +81,7 @@ class Plots:
         self.clip = CustomJS(args={"plots": [self.plane, self.force]}, code=_CLIP)
 
     def _plane(self) -> figure:
-        made = _figure("plane", "Phase plane: click where a motion shall start", 620, 470, (-1, 1), (-1, 1))
+        made = _figure("plane", "Phase plane: click to start a motion there", 620, 470, (-1, 1), (-1, 1))
         made.xaxis.axis_label, made.yaxis.axis_label = "deviation u [rad]", "rate of the deviation u′ [rad/s]"
         made.image_rgba("image", x="x", y="y", dw="dw", dh="dh", source=self.sources["map"], **_ABOVE)
         made.multi_line(
@@ -200,7 +200,7 @@ def _figure(
     """An empty drawing whose axes are as long as a redraw says."""
     return figure(
         name=name, title=title, width=width, height=height, tools=tools, x_range=x, y_range=y,
-        html_attributes={"aria-label": f"{title}; its content is said in words below"}, **_NARROW,
+        html_attributes={"aria-label": f"{title}; described in words below"}, **_NARROW,
     )  # fmt: skip
 
 

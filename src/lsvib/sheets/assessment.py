@@ -157,7 +157,7 @@ class Assessment:
     def sentence(self) -> str:
         """The verdict in words."""
         weak, own = self.statics.sentence, VERDICTS[self.vibration]
-        return f"{weak} What follows is for one that is strong enough. {own}" if weak else own
+        return f"{weak} What follows assumes one that is strong enough. {own}" if weak else own
 
     @cached_property
     def efficiency(self) -> dict[str, float | None]:
@@ -208,7 +208,7 @@ def assess(sheet: Sheet, samples: int = 4096, seed: int = 1) -> Assessment:
 def require_a_drive(window: OperatingWindow) -> None:
     """Refuse what the package has no drive for, in the words of the sheet."""
     if unasked := window.draw.sheet.of_statics:
-        raise InputError(f"Whether it vibrates cannot be asked: {unasked}.")
+        raise InputError(f"Vibration cannot be assessed: {unasked}.")
     for there in window.corners:
         try:
             _ = there.rigid, there.drive

@@ -87,7 +87,7 @@ class Motor(Part):
         if self.speed_gain is not None and self.integral_gain is None:
             return "motor.speed_gain needs motor.integral_gain, without which the motor falls ever further behind."
         if self.inertia is None and (self.integral_gain or self.bandwidth):
-            return "motor.inertia is missing, which the control of the motor moves."
+            return "motor.inertia is missing, which the motor's controller has to move."
         return None
 
 
@@ -132,7 +132,7 @@ class Running(Part):
         if self.speed or self.acceleration:
             return "operation.move has a speed and ramps of its own; leave out operation.speed and acceleration."
         if self.move.back and self.direction != "both":
-            return "operation.move goes back as well, so that operation.direction is both; leave one of them out."
+            return "operation.move with back travels both ways; leave out back or operation.direction."
         return self.move.problem()
 
     @property

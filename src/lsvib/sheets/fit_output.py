@@ -28,7 +28,7 @@ _FILES = ("fit.nc", "fit.json", "fit.png", "fit.pdf", "friction.yaml")
 _ENDS = {
     "fit": "Fit",
     "threads": "All friction in the threads",
-    "bearing": "As much friction as can be in the bearing",
+    "bearing": "As much friction as possible in the bearing",
 }
 _AT_REST = {  # ends of static friction alone
     "threads": "Static friction above sliding in the threads",
@@ -43,8 +43,11 @@ DRAWN = 4.1  # standard deviations, within which a data sheet draws, with some r
 def fit(path: Path | str, out: Path | str | None = None) -> dict[str, Any]:
     """Fit the sheet in a YAML file; write ``fit.nc``, ``.json``, ``.png``, ``.pdf``, ``friction.yaml`` to ``out``.
 
-    Returns what ``fit.json`` holds. Raises ``InputError`` or another ``LsvibError`` in one sentence; then nothing is
-    written.
+    The torque of a screw under an axial force F, r F tan(λ ± arctan μ) and the drag of its bearing (eqs 8.4, 8.13), is
+    fitted by robust least squares; μ over the sliding speed is a constant, a slope and a Stribeck rise (docs/fit.md).
+
+    Returns what ``fit.json`` holds, in SI units. Raises ``InputError`` or another ``LsvibError`` in one sentence; then
+    nothing is written.
 
     >>> found = lsvib.fit("examples/measured_screw/measured_screw.yaml")
     >>> found["points"], round(found["friction"]["stribeck_rise"], 2)

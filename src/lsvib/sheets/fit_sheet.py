@@ -126,7 +126,7 @@ def _measured(
         if len(jerks) == len(tables):
             raise InputError("the screw jerks in all files, so none is a point of the law: measure more speeds.")
         why = next(table.record.said for table in tables if table.record and table.record.kind != "jerks")
-        raise InputError(f"no file has a point of the law; of {why[min(1, len(why) - 1)]}")
+        raise InputError(f"no file gives a point of the law; of {why[min(1, len(why) - 1)]}")
     _driven(sheet.measurements[0], moving)
     # A file that begins at rest goes on in the direction in which it breaks away, a row at rest has that of its torque.
     starts = [(table, table.record) for table in tables if table.record and table.record.breakaway and table.speed]
@@ -247,7 +247,7 @@ def _tables(sheet: MeasuredSheet, folder: Path, lead: float) -> Iterator[Table]:
             )
         motion = block.speed or block.position
         if not sheet.thread and motion and motion.unit[1] in ("m", "m/s"):
-            raise InputError("thread is missing, by whose lead a speed or position of the load turns the screw.")
+            raise InputError("thread is missing, whose lead converts speed or position of the load to the screw.")
         files = _files(f"{place}.files", block.files, folder)
         for file in files:
             name = file.relative_to(folder).as_posix() if file.is_relative_to(folder) else file.name

@@ -53,8 +53,8 @@ def course(move: Move, entries: Values, lead: Any) -> Course:
     wrong = (ramp <= 0) | (left < -1e-9 * time) | (apart > SETTLED) | ((share == 1 / 2) & (left > SETTLED * time))
     if np.any(wrong):
         raise InputError(
-            "operation.move does not go together: distance = speed * (time - acceleration_time), with an "
-            "acceleration_time above zero and below half of the time, of a triangle half of it."
+            "operation.move is not consistent: distance = speed * (time - acceleration_time), with an "
+            "acceleration_time above zero and below half of the time (half of it for a triangle)."
         )
     return Course(speed, ramp, time, speed / ramp * (2 if move.profile == "s-curve" else 1))
 
@@ -110,7 +110,7 @@ def ripple(drive: Drive, move: Move | None, ramp: float, looked: float) -> Rippl
         start = np.append(definition.initial_state(drive, definition.from_rest(drive)), 0.0)  # by the command's clock
         motion = follow(automaton, start, times[-1] + looked, budget=Budget(_WORK))
         if motion.end_time < times[-1] + looked:
-            raise WorkSpentError("the motion takes more work than is allowed.")
+            raise WorkSpentError("the motion takes more computing time than is allowed.")
         torque = max(map(abs, orbit_extremes(motion, automaton.functional("coupling_torque"))))
     except (InputError, EngineError) as error:
         return Ripple(reason=str(error))

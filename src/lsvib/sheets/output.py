@@ -46,13 +46,23 @@ def assess(
     units: Literal["si", "us"] = "si",
     solve: tuple[str, str] | None = None,
 ) -> dict[str, Any]:
-    """Assess the data sheet in a YAML file, or of names and values as in one: does it vibrate, what does it bear?
+    """Assess the data sheet in a YAML file, or of names and values as in one: does it vibrate, what does it need?
 
-    To a folder ``out`` it writes ``index.html``, ``assessment.json`` and, but for a size, ``assessment.nc``.
-    ``samples``: drives drawn from the uncertainties, a power of two. ``solve``: an entry to be solved for, and what
-    for, see :func:`lsvib.sheets.inverse.solved`. Returns what ``assessment.json`` holds, in SI units; with
-    ``units="us"`` the page and the ``brief`` that is returned have US units beside them. Raises ``InputError`` or
-    another ``LsvibError`` in one sentence; then nothing is written. An example is in docs/python.md.
+    Torques are those of a power screw, r F tan(λ ± ρ) and what else rubs (Shigley); whether steady running is stable
+    follows from eqs 8.18–8.21, 8.27 and 8.33 over the operating window and the uncertainties (docs/assess.md).
+
+    Arguments:
+
+    * ``out``: a folder, for ``index.html``, ``assessment.json`` and, but for a size, ``assessment.nc``.
+    * ``samples``: drives drawn from the uncertainties, a power of two from 64 on; ``seed``: of their sequence.
+    * ``units``: with "us" the page and the ``brief`` that is returned have US units beside SI units.
+    * ``solve``: an entry to be solved for, and what for, see :func:`lsvib.sheets.inverse.solved`.
+
+    Returns what ``assessment.json`` holds, in SI units. Raises ``LsvibError``; then nothing is written.
+
+    >>> sheet = {"thread": {"size": "Tr 16x4"}, "load": {"force": "500 N"}, "friction": {"coefficient": 0.15}}
+    >>> f"{lsvib.assess(sheet)['statics']['lifting_torque']['worst']:.3f} N m"
+    '0.874 N m'
     """
     count = numbers.whole_between("samples", samples, 64, 2**20)  # seconds; a share is in error by less than 1e-3
     if count & (count - 1):
@@ -301,7 +311,7 @@ def assess_variants(
             found.append({**row, "refused": str(error)})
         if progress:
             progress(count, len(rows))
-    refused = {row["refused"] for row in found} or {"there are none."}
+    refused = {row["refused"] for row in found} or {"it has no rows."}
     if len(refused) == 1 and (reason := refused.pop()):
         raise InputError(f"All variants in {path} are refused: {reason}")
     return pd.DataFrame(found)

@@ -33,7 +33,7 @@ from lsvib.sheets.statics import Statics, lets_go, statics
 from lsvib.sheets.threads import NUT_MATERIALS, ThreadSize
 from lsvib.sheets.words import shown
 
-EFFORTS = {"lifting": "against the load", "lowering": "with the load", "braking": "to brake where the load drives it"}
+EFFORTS = {"lifting": "against the load", "lowering": "with the load", "braking": "to brake when the load drives it"}
 """What torques are for, the most demanding first."""
 _OF_VIBRATION = ("probability", "interval", "nearest_mechanism", "reserve", "nearest_change", "worst_case")
 POOR = 0.1  # of a coefficient: a law that is further off says something else than its curve
@@ -99,7 +99,7 @@ def drops(assessment: Assessment, row: Change | Purchase) -> bool:
 
 def size_report(sheet: Sheet, result: dict[str, Any], solved: str = "") -> str:
     """Return the report on a sheet of statics, of which the JSON says ``result``; ``solved`` as of :func:`report`."""
-    title, curve = f"{sheet.name}: what does it take?", said("curve", result["friction_curve"])
+    title, curve = f"{sheet.name}: torque and limits", said("curve", result["friction_curve"])
     found = {"assessment": None, "sheet": sheet, "statics": statics(sheet), "draw": Draw.of(sheet)}
     return _page("report.html.j2", title=title, curve=curve, solved=solved, sentence=result["brief"][-1], **found)
 

@@ -292,15 +292,15 @@ class Sheet(Part):
             raise InputError("guide.coefficient needs load.mass, whose weight presses on the guide.")
         if sheet.bearing.collar is not None and (sheet.contact or sheet.support):
             raise InputError(
-                "bearing.collar is not judged beside a support or contact that complies, with which the force on the "
-                "collar is another one; leave one of them out."
+                "bearing.collar cannot be assessed beside a compliant support or contact, which changes the force on "
+                "the collar; leave one of them out."
             )
         for table in ("sources", "assumptions"):
             for path in getattr(sheet, table):
                 if path not in sheet.paths():
-                    raise InputError(f"{table} speaks of {shown(path)}, which the sheet does not give.")
+                    raise InputError(f"{table} names {shown(path)}, which the sheet does not give.")
         if unknown := set(sheet.fixed) - sheet.paths() - _OF_QUANTITIES:
-            raise InputError(f"fixed speaks of {shown(min(unknown))}, which is no entry of the sheet.")
+            raise InputError(f"fixed names {shown(min(unknown))}, which is no entry of the sheet.")
         return sheet
 
     def is_fixed(self, entry: str) -> bool:

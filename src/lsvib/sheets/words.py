@@ -156,7 +156,7 @@ def signed(value: float, places: int) -> str:
 def change(factor: float | None) -> str:
     """Return a factor in words: 20 % larger, 3 times as large."""
     if factor is None:
-        return "no change of it does"
+        return "no change of it is enough"
     if factor >= 2:
         return f"{factor:.3g} times as large"
     return f"{abs(factor - 1) * 100:.3g} % {'larger' if factor > 1 else 'smaller'}"

@@ -155,5 +155,5 @@ def even_speed(drive: Drive, unknown: str) -> Threshold:
     ends = {True: "ends in steady sliding at every", False: "does not end in steady sliding at any"}
     always = ends[known[0][1]] if known else "is not known at any"
     reason = f"the motion from rest {always} {unknown} tried within {span}, all other parameters held."
-    how = f"All that motions from rest at {len(known)} values over {span} have found; that is no proof."
+    how = f"All found by motions from rest at {len(known)} values over {span}; this is no proof."
     return result(drive, "even_speed", unknown, found, how, reason)

@@ -166,7 +166,7 @@ def _by_search(drive: Drive, name: str, unknown: str) -> Threshold:
         f"no {unknown} within {span} is the threshold {name} at axial_force = {drive.axial_force:g}, all other "
         f"parameters held{'' if found else _why_not(name, drive)}."
     )
-    return result(drive, name, unknown, found, f"All that a search over {span} has found; that is no proof.", reason)
+    return result(drive, name, unknown, found, f"All that a search over {span} found; this is no proof.", reason)
 
 
 def _why_not(name: str, drive: Drive) -> str:

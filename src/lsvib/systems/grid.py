@@ -16,7 +16,7 @@ MOST_CELLS = 100_000_000  # of a map at once; each takes some hundred bytes whil
 
 @dataclass(frozen=True)
 class Axis:
-    """Cells of equal width along a coordinate of a start, in its SI unit.
+    """Cells of equal width (stop − start) / count along a coordinate of a start, in its SI unit.
 
     Made from numbers or text; raises ``InputError`` if one is none, or if cells coincide.
     """
@@ -59,6 +59,10 @@ class Grid:
     """Starts in two coordinates, ``x`` along columns and ``y`` along rows; ``fixed`` are the values of the others.
 
     Raises ``InputError`` if an axis is none, or a coordinate is given twice.
+
+    >>> grid = lsvib.Grid(lsvib.Axis("u", -0.1, 0.1, 40), lsvib.Axis("w", -80, 80, 30))
+    >>> grid.x.centres()[:2], grid.y.width  # motions start from the middles of cells
+    (array([-0.0975, -0.0925]), 5.333333333333333)
     """
 
     x: Axis

@@ -52,6 +52,15 @@ class System:
     is negative in the first one and positive in the second. A number in a text is the decimal that it is, a float the
     double that it is. Modes that slide along surfaces have the names of those that meet there, as in
     ``"slower|faster"``.
+
+    >>> from lsvib.systems import System
+    >>> impact = System(
+    ...     states=["x", "v"], parameters={"r": "0.8"}, harmonics={"c, s": "1"},
+    ...     modes={"fly": {"x": "v", "v": "-x - 0.1*v + c"}},
+    ...     events=[{"mode": "fly", "when": "x > 1", "reset": {"v": "-r*v"}}],
+    ... )
+    >>> impact.simulate("fly", {"x": 0.1}, 20.0).sizes["event"], impact.steady_state("fly").label.name
+    (6, 'CYCLE')
     """
 
     states: Sequence[str]

@@ -37,7 +37,7 @@ def fit_variables(fit: Fit, points: Sequence[Point]) -> tuple[Variables, Variabl
         "law_torque": variable(("end", "load_case", "direction", "law_speed"), law, "N m", "fitted torque"),
         "half_sum": variable("pair", half[:, 1], "N m", "half-sum of the torques of both directions"),
         "half_difference": variable("pair", half[:, 2], "N m", "half-difference of the torques of both directions"),
-        "residual_rms": variable("end", [end.rms for end in ends], "N m", "root of the mean square of the residuals"),
+        "residual_rms": variable("end", [end.rms for end in ends], "N m", "root mean square of the residuals"),
         "correlation": variable(
             ("end", "number", "other_number"), [_correlation(fit, name) for name in fit.ends], "1",
             "correlation of the fitted numbers",

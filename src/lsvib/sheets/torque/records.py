@@ -113,11 +113,11 @@ def look(
     most = 2 * max(1, int(inner.max(initial=0)))
     words = [word for word, run in (("begins", runs[0]), ("ends", runs[-1])) if run > most]
     if words:
-        said = f"{name}: the record {' and '.join(words)} at rest; only where the screw turns is it steady motion."
+        said = f"{name}: the record {' and '.join(words)} at rest; only where the screw turns can it be steady motion."
         return _moved(recording, "start" if words[0] == "begins" else "stop", said, step, averaging, load)
     if either_way or drifts(speed):
         first, last = speed[: speed.size // 8 + 1].mean(), speed[-(speed.size // 8 + 1) :].mean()
-        said = f"{name}: the speed goes from {first:.3g} to {last:.3g} rad/s, so this is no steady motion."
+        said = f"{name}: the speed goes from {first:.3g} to {last:.3g} rad/s, so this is not steady motion."
         return _moved(recording, "ramp", said, step, averaging, load)
     stops = bool(np.quantile(speed / mean, 0.4) <= STANDS)
     if speed.size < SHORTEST:
@@ -132,14 +132,14 @@ def look(
     swing = recording.speed - mean
     if not stops and problem and swing.std() > SWINGS * abs(mean) and swing[1:] @ swing[:-1] > SLOWLY * (swing @ swing):
         low, high = np.sort(recording.speed)[[0, -1]]
-        said = f"{name}: the speed swings from {low:.3g} to {high:.3g} rad/s, so this is no steady motion."
+        said = f"{name}: the speed swings from {low:.3g} to {high:.3g} rad/s, so this is not steady motion."
         return _moved(recording, "ramp", said, step, averaging, load)
     if not stops and problem:
         return Record(name, "even", (f"{name}: the screw turns evenly.",))
     if problem or not stops:
         said = "the torque climbs slowly and falls fast as of jerks, while the recorded speed does not stop"
         said = f"the recorded speed is often far below its mean, as of jerks, but {problem}" if stops else said
-        return Record(name, "jerks", (f"{name}: {said}; no numbers are told.",))
+        return Record(name, "jerks", (f"{name}: {said}; no numbers are given.",))
     return _numbers(name, speed, torque, teeth, step, averaging)
 
 
@@ -196,12 +196,12 @@ def _told(speed: Array, torque: Array, stops: bool) -> tuple[Teeth, str]:
         f"only {np.ptp(found.phase):.0f} times": 1 < np.ptp(found.phase) < TEETH + 1,
         "at no one frequency that stands out": found.explained < EXPLAINED,
         "its torque does not climb slowly and fall fast": likelier < LIKELIER,
-        "its torque climbs fast and falls slowly, as samples rarer than two a jerk show it": found is reverse,
+        "its torque climbs fast and falls slowly, as fewer than two samples a jerk would show it": found is reverse,
         f"it is sampled less than {LEAST:g} times a jerk": often > 1 / LEAST,
         "not while its torque climbs": stops and speed[ramp].sum() > STANDS * speed.mean() * np.count_nonzero(ramp),
         "at two frequencies": other.max() > OTHER * found.height / math.pi,
         "few of its ramps hold two samples": math.isnan(_slope(torque, found)[0]),
-        "ever more or ever less often": np.ptp(quarters) > FASTER * np.mean(quarters),
+        "more and more, or less and less often": np.ptp(quarters) > FASTER * np.mean(quarters),
     }
     return found, next((problem for problem, holds in problems.items() if holds), "")
 

@@ -135,7 +135,7 @@ def _damped(
 
     low, high = max((least(at, -1.0) for at in even), default=0.0), min(least(at, 1.0) for at in jerks)
     if not 0 < high < math.inf:
-        raise InputError("no damping makes such a drive jerk and run evenly where it did; check screw.inertia.")
+        raise InputError("no damping makes such a drive jerk, and run evenly, where it did; check screw.inertia.")
     if not low < high:
         raise InputError(
             f"files that were even need a damping of {low:.3g} N m s/rad at least, and those that jerked {high:.3g} at "
@@ -176,7 +176,7 @@ def surely_even_from(drive: Callable[[float], Drive], most: float) -> float:
     def evenly(value: float) -> bool:
         """Whether it runs evenly with this value."""
         if (found := runs_evenly(drive(value))) is None:
-            raise InputError("a motion with such a damping takes too much work to be followed to its end.")
+            raise InputError("a motion with such a damping takes too long to follow to its end.")
         return found
 
     return even_from(evenly, [1e-4 * most, most], most) or 0.0
