@@ -125,6 +125,8 @@ def test_the_first_page_fits_a_telephone_and_shows_a_drive_that_vibrates(browser
     with chromium.opened(browser, server, 390, 844) as opened:
         words(opened, "sprag slip cycle of amplitude 0.056")
         assert chromium.wider_than_the_screen(opened) <= 0
+        slider = opened.get_by_role("slider", name="pitch radius of the screw")
+        assert opened.get_by_role("status").bounding_box()["y"] < slider.bounding_box()["y"]
 
 
 @pytest.mark.parametrize(("name", "start"), [("scene.yaml", b"drive:"), ("motion.nc", b"\x89HDF")])

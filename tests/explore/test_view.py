@@ -10,6 +10,10 @@ import subprocess
 import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from itertools import product
+from pathlib import Path
+from queue import Queue
 from urllib.parse import parse_qsl
 
 import numpy as np
@@ -21,12 +25,15 @@ from references.sizes import sizes
 
 import lsvib
 from lsvib.answers.io import read_dataset
+from lsvib.cli.pages import view_of
 from lsvib.drives import chapter
+from lsvib.drives.model import model_of
 from lsvib.drives.scene import Scene
 from lsvib.dynamics.curves import Window
 from lsvib.explore import answers
 from lsvib.explore.view import OF_LAW, View, around
 from lsvib.systems.attractor import Attractor
+from lsvib.words import plain
 
 WINDOW = Window(-0.15, 0.13, -50.0, 35.0)
 
@@ -40,7 +47,9 @@ def random_view(seed: int) -> View:
     )
     u, w = draw.uniform(-0.2, 0.2), draw.uniform(-90, 90)
     window = draw.choice([None, Window(u - draw.random(), u + 1e-3, w - 10 * draw.random(), w + 1e-3)])
-    return View(drive=drive, u=u, w=w, duration=draw.random() + 1e-3, window=window, over="mass", low=1 / 3, high=7.1)
+    more = {name: draw.random() for name in model_of(drive).states[2:]}
+    rest = {"duration": draw.random() + 1e-3, "window": window, "over": "mass", "low": 1 / 3, "high": 7.1}
+    return View(drive=drive, u=u, w=w, more=more, **rest)
 
 
 @pytest.mark.parametrize("seed", range(8))
@@ -92,11 +101,43 @@ def test_exports_are_the_view(tmp_path):
     (tmp_path / "scene.yaml").write_bytes(answers.export("scene.yaml", view))
     assert Scene.of(yaml.safe_load((tmp_path / "scene.yaml").read_text(encoding="utf-8"))) == view.scene()
     (tmp_path / "motion.nc").write_bytes(answers.export("motion.nc", view))
+    opened = view_of(tmp_path / "scene.yaml")
+    assert (opened.drive, opened.scene()) == (view.drive, view.scene())
     motion = read_dataset(tmp_path / "motion.nc")
     assert motion.sizes["time"] == view.scene().samples
     own = PARADOX.simulate({"u": 0.1, "w": 0.0}, 0.05, samples=2001)
     assert (motion.u.values == own.u).all()
     assert motion.mass == 11
+
+
+@pytest.mark.slow
+def test_a_sheet_opens_with_the_motion_of_its_report(monkeypatch):
+    """Of this one it starts with the screw off its place; from u and w alone it would come to slide steadily."""
+    assessment = pytest.importorskip("lsvib.sheets.assessment", exc_type=ImportError)
+    assess, told = assessment.assess, []
+    monkeypatch.setattr(assessment, "assess", lambda *of, **more: told.append(assess(*of, **more)) or told[0])
+    view = view_of(Path(__file__).parents[2] / "examples" / "positioning_slide.yaml")
+    end, motion = answers.followed(view).steady, told[0].nominal.vibration
+    assert (view.scene().start, plain(end.label)) == (motion.scene["start"], motion.attractor)
+    assert 1 / end.period == pytest.approx(motion.frequency, rel=1e-9)
+    assert answers.followed(replace(view, more={})).steady.label == Attractor.STEADY_SLIDING
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("modes: {}", "draws it."),
+        ("{drive: {}, start: {u: 0, w: 1}, duration: 1, command: {times: [0, 1], speeds: [0, 40]}}", "the command of"),
+        (
+            "{drive: {}, start: {u: 0, w: 1}, duration: 1, physics: [axial_force, support_damping]}",
+            "the physics of",
+        ),
+        ("mass: 3", "mass is not a known key"),
+    ],
+)
+def test_a_file_that_cannot_be_shown_is_refused_in_one_sentence(text, said, tmp_path):
+    (tmp_path / "own.yaml").write_text(text)
+    assert said in complaint(view_of, tmp_path / "own.yaml")
 
 
 def test_a_bad_port_is_refused_in_one_sentence():
@@ -223,8 +264,9 @@ def page_of(view: View):
 
     from lsvib.explore.page import Page
 
+    answers.READY.update(product((False, True), repeat=3))
     page = Page(Document(), view)
-    page._begin("")
+    page._answer()
     return page
 
 
@@ -262,7 +304,45 @@ def test_a_drive_with_compliant_parts_and_a_law_is_followed_without_its_map(part
     motion = page.view.drive.simulate({"u": 0.0, "w": -9.0}, 0.05, samples=2001)
     if part == "nut":
         turning = 10 + motion.w.values - motion.nut_rate.values
-        assert np.abs(page.shown.turning).max() == pytest.approx(np.abs(turning).max(), rel=1e-3)
+        per_turn = page.view.drive.pitch_radius / math.cos(page.view.drive.lead_angle)
+        assert np.abs(page.shown.sliding).max() == pytest.approx(per_turn * np.abs(turning).max(), rel=1e-3)
+
+
+@pytest.mark.parametrize("work", ["labels", "thresholds_over", "curves"])
+def test_an_answer_that_comes_when_the_drive_has_changed_is_not_shown(work, monkeypatch):
+    """Nothing remains of the drive before either: no amplitude, threshold, share or link."""
+    page, finished = page_of(View(PARADOX, u=0.02, low=-20.0, high=-5.0)), getattr(answers, work)
+    settled(page)
+    assert page._said.styles["visibility"] == "visible"
+    assert len(page.plots.sources["near"].data["x"]) == 61
+
+    def overtaken(*of):
+        found = finished(*of)
+        monkeypatch.undo()
+        page.ask("mass", "9")
+        page._answer()
+        return found
+
+    monkeypatch.setattr(answers, work, overtaken)
+    settled(page)
+    assert (page.view.drive.mass, page._shares) == (9, {})
+    own = answers.rgba(answers.labels(page.view.drive, page.view.window, answers.DRAGGED))
+    assert np.array_equal(page.plots.sources["map"].data["image"][0], own)
+    assert not any(len(page.plots.sources[name].data["x"]) for name in ("near", "curve", "marks", "bar"))
+    assert page._said.styles["visibility"] == "hidden"
+
+
+def test_a_page_says_that_it_compiles(monkeypatch):
+    """It draws nothing before, and answers afterwards what was asked."""
+    page, ticks = page_of(View(PARADOX, u=0.02)), Queue()
+    page.document.add_next_tick_callback = ticks.put
+    monkeypatch.setattr(answers, "READY", ready := set())
+    monkeypatch.setattr(answers, "make_ready", lambda view: ready.add(answers.kind_of(view.drive)))
+    page.ask("friction_slope", "-0.05")
+    page._answer()
+    assert (page.view.drive.friction_slope, "compiled" in page._alert.text) == (0, True)
+    ticks.get(timeout=5)()
+    assert (page.view.drive.friction_slope, page._alert.text) == (-0.05, "")
 
 
 def test_parts_are_put_in_and_taken_out():

@@ -4,12 +4,13 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib.resources import files
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from cyclopts import Parameter
 
 from lsvib.cli.app import ProgressLine, app, show
 from lsvib.cli.options import AsJson, Files, Whole, require_folder
+from lsvib.drives.scene import Scene, read_yaml
 from lsvib.errors import InputError
 from lsvib.files import write_text
 from lsvib.numbers import whole_between
@@ -117,6 +118,10 @@ def _assess_variants(table: Path, base: Path | None, out: Path | None, samples: 
 
 @app.command
 def explore(
+    file: Annotated[
+        Path | None,
+        Parameter(help="YAML file to begin with: a scene, or a data sheet, of which assess tells a motion."),
+    ] = None,
     *,
     port: Annotated[Whole, Parameter(help="Port to serve the page at; 0 takes a free one.")] = 5006,
     show: Annotated[bool, Parameter(negative="--no-show", help="Open the page in a browser.")] = True,
@@ -125,9 +130,25 @@ def explore(
 
     Examples of use:
 
-        lsvib explore --port 5010 --no-show
+        lsvib explore examples/chapter.yaml --port 5010 --no-show
     """
     number = whole_between("port", port, 0, 65535)
     with _installed("explore", "explore"):
-        from lsvib.explore.server import serve
-    serve(number, show)
+        from lsvib.explore.server import FRONT, serve
+    serve(number, show, view_of(file) if file else FRONT)
+
+
+def view_of(file: Path) -> Any:
+    """Return what a file of a scene or a data sheet shows first; raises ``InputError``."""
+    from lsvib.explore.view import View
+
+    values = read_yaml(file)
+    if "modes" in values:
+        raise InputError(f"{file} is a system, no scene or data sheet; lsvib simulate --system --figure draws it.")
+    if "drive" not in values:
+        with _installed("explore with a sheet", "assess"):
+            from lsvib.sheets import assessment, sheet
+        motion = assessment.assess(sheet.Sheet.read(file), samples=64).nominal.vibration
+        if not (values := motion.scene):
+            raise InputError(f"{file} has no motion that can be explored: {motion.reason}")
+    return View.of_scene(Scene.of(values))

@@ -20,7 +20,6 @@ from lsvib.answers.spans import stepped
 from lsvib.answers.sweep import sweep
 from lsvib.drives import friction
 from lsvib.drives.drive import Drive
-from lsvib.drives.model import model_of
 from lsvib.dynamics.curves import Window
 from lsvib.errors import EngineError, LsvibError, WorkSpentError
 from lsvib.explore.view import View
@@ -46,8 +45,8 @@ class Followed:
     """A motion and what it ends on.
 
     ``time`` [s] (n), ``u`` [rad] (n), ``w`` [rad/s] (n), ``force`` (n), N [N]; ``cycle`` (k, 2), the limit cycle, empty
-    without one; ``steady``, the attractor, None where the engine has no answer; the number of ``events``; ``turning``
-    (n), the rate at which the screw turns in the nut [rad/s].
+    without one; ``steady``, the attractor, None where the engine has no answer; the number of ``events``; ``sliding``
+    (n), the sliding speed of the threads [m/s].
     """
 
     time: np.ndarray
@@ -57,7 +56,7 @@ class Followed:
     cycle: np.ndarray
     steady: SteadyState | None
     events: int
-    turning: np.ndarray
+    sliding: np.ndarray
 
 
 def moved(view: View) -> Simulation:
@@ -83,11 +82,8 @@ def followed(view: View) -> Followed:
         steady = steady_state(motion.automaton, motion.start_state, max_events=work)
     if steady is not None and steady.orbit is not None and steady.orbit.time.size:
         cycle = _sampled(steady.orbit)[1][:, :2]
-    turning = states[:, 1] + view.drive.input_speed
-    names = model_of(view.drive).states
-    if "nut_rate" in names:
-        turning = turning - states[:, names.index("nut_rate")]
-    return Followed(time, states[:, 0], states[:, 1], force, cycle, steady, motion.time.size, turning)
+    sliding = motion.automaton.observe("sliding_speed", states, modes)
+    return Followed(time, states[:, 0], states[:, 1], force, cycle, steady, motion.time.size, sliding)
 
 
 def window_around(drive: Drive, shown: Followed) -> Window:
@@ -99,6 +95,25 @@ def window_around(drive: Drive, shown: Followed) -> Window:
         margin = 0.12 * (np.ptp(values) or 1.0)
         edges += [float(values.min() - margin), float(values.max() + margin)]
     return Window(*edges)
+
+
+READY: set[tuple[bool, ...]] = set()  # kinds of drives for which all is compiled, or loaded, in this process
+
+
+def kind_of(drive: Drive) -> tuple[bool, ...]:
+    """Return what decides which engine a drive needs."""
+    return drive.rigid, bool(drive.parts), friction.depends_on_speed(drive)
+
+
+def make_ready(view: View) -> None:
+    """Compile, or load, all that a page asks of a drive such as that of a view; raises ``LsvibError``."""
+    try:
+        window = window_around(view.drive, followed(view))
+        if not laborious(view.drive):
+            labels(view.drive, window, (12, 9))
+        curves(view, [getattr(view.drive, view.over)])
+    finally:  # what raises here is said where the page asks for it
+        READY.add(kind_of(view.drive))
 
 
 def at_once(drive: Drive) -> bool:
@@ -121,11 +136,9 @@ def friction_visited(drive: Drive, shown: Followed) -> tuple[np.ndarray, np.ndar
 
     The speeds go from zero to a quarter beyond the fastest of the motion; those that it takes are all between its ends.
     """
-    exact = drive.exact()
-    per_turn = float(exact.pitch_radius / exact.cos_lead)
-    taken = per_turn * np.abs(shown.turning)
+    taken = np.abs(shown.sliding)
     ends = float(taken.min()), float(taken.max())
-    if np.ptp(np.sign(shown.turning)) == 2:  # it turns back in between
+    if np.ptp(np.sign(shown.sliding)) == 2:  # it turns back in between
         ends = 0.0, ends[1]
     speeds = np.unique(np.append(np.linspace(0.0, 1.25 * ends[1] or 1.0, 301), ends))
     coefficients = np.maximum(np.broadcast_to(friction.unbounded(drive, speeds)[0], speeds.shape), 0.0)
@@ -160,7 +173,7 @@ def curves(view: View, values: list[float]) -> list[xr.Dataset]:
 
     Motions start next to steady sliding, and where that of the view does.
     """
-    return [sweep(view.drive, {view.over: values}, start) for start in (_BESIDE, {"u": view.u, "w": view.w})]
+    return [sweep(view.drive, {view.over: values}, start) for start in (_BESIDE, view.scene().start)]
 
 
 def logarithmic(view: View) -> bool:

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable
 from typing import Any
 
 from bokeh.layouts import column, row
-from bokeh.models import Button, CheckboxGroup, Column, Select, Slider, TextInput
+from bokeh.models import Button, CheckboxGroup, Column, CustomJS, Select, Slider, TextInput
 
 from lsvib.drives.complaints import allowed_range
 from lsvib.drives.drive import IN_WORDS, PARTS, Drive, described, may_vanish
@@ -12,20 +12,11 @@ from lsvib.explore.view import OF_LAW, View
 from lsvib.pictures import style
 
 _FROM_ZERO = {  # end of a slider whose parameter is zero: enough to change what the chapter's drive does
-    "translation_damping": 2000.0,
-    "axial_force": 100.0,
-    "support_damping": 1e-3,
-    "friction_coefficient": 0.4,
-    "contact_damping": 1e5,
-    "axial_support_damping": 1e3,
-    "nut_damping": 1e-3,
-    "slide_friction": 50.0,
-    "slide_static_friction": 100.0,
-    "bearing_friction": 0.05,
-    "bearing_static_friction": 0.1,
-    "collar_friction": 0.3,
+    "translation_damping": 2000.0, "axial_force": 100.0, "support_damping": 1e-3, "friction_coefficient": 0.4,
+    "contact_damping": 1e5, "axial_support_damping": 1e3, "nut_damping": 1e-3, "slide_friction": 50.0,
+    "slide_static_friction": 100.0, "bearing_friction": 0.05, "bearing_static_friction": 0.1, "collar_friction": 0.3,
     "collar_radius": 0.02,
-}
+}  # fmt: skip
 _SIGNED = ("axial_force", "input_speed")
 _TEXTS = {
     "u": "Start u [rad]",
@@ -34,6 +25,15 @@ _TEXTS = {
     "low": "Curve from",
     "high": "Curve to",
 }
+
+# Bokeh gives the handle that a keyboard moves no name.
+_NAMES = """
+const views = parameters.children.map(row => Bokeh.index.find_one(row.children[1]));
+const name = view => view.slider_el.querySelector(".noUi-handle").ariaLabel = view.model.tags[0];
+const kind = Object.getPrototypeOf(views[0]), {render} = kind;
+kind.render = function() { render.call(this); name(this); };
+views.forEach(name);
+"""
 
 Asked = Callable[[str, str], None]
 
@@ -50,6 +50,7 @@ class Controls:
         self.sliders: dict[str, Slider] = {}
         self.fields: dict[str, TextInput] = {}
         self.parameters: Column = column(width=320, name="parameters")
+        self.names = CustomJS(args={"parameters": self.parameters}, code=_NAMES)
         for key, control in (("over", self.over), *self.texts.items()):
             control.on_change("value", self._ask(key))
         self.parts.on_change("active", self._ask("parts", lambda new: " ".join(tuple(PARTS)[k] for k in sorted(new))))
@@ -87,13 +88,11 @@ class Controls:
             about = described(key)
             name = f"{about['long_name']} {about['symbol']} {style.unit(about['unit'])}".rstrip()
             self.fields[key] = TextInput(title=name, width=150, description=allowed_range(Drive, key), name=key)
-            self.sliders[key] = Slider(
-                start=0, end=1, value=0, step=0.1, width=150, show_value=False, align="end", name=f"slider_{key}",
-                html_attributes={"role": "group", "aria-label": name},
-            )  # fmt: skip
+            slider = Slider(start=0, end=1, value=0, step=1, width=150, show_value=False, align="end", tags=[name])
+            self.sliders[key] = slider
             self.fields[key].on_change("value", self._ask(key))
-            self.sliders[key].on_change("value", self._ask(f"slider:{key}"))
-            rows.append(row(self.fields[key], self.sliders[key]))
+            slider.on_change("value", self._ask(f"slider:{key}"))
+            rows.append(row(self.fields[key], slider))
         self.parameters.children = rows
 
     def _place(self, key: str, value: float) -> None:

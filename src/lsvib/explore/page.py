@@ -42,7 +42,9 @@ A motor turns a screw through a spring, the screw pushes a mass, and its threads
 click in the phase plane to push the screw: colours show where the motion from there ends.
 """
 _TEMPLATE = """{% block preamble %}<meta name="viewport" content="width=device-width, initial-scale=1">
-<link rel="icon" href="data:,">{% endblock %}"""
+<link rel="icon" href="data:,">{% endblock %}
+{% block contents %}<main>{{ super() }}</main>{% endblock %}"""
+_COMPILING = "The engine for such a drive is being loaded, or compiled at its first use, which takes a minute."
 _NARROW = {"sizing_mode": "scale_width", "max_width": 640, "min_width": 320}  # as narrow as a telephone
 
 THREAD = ThreadPoolExecutor(1)
@@ -53,7 +55,7 @@ class Page:
     """The page of one session; ``view`` is what it shows."""
 
     def __init__(self, document: Document, view: View, complaint: str = "") -> None:
-        self.document, self.view = document, view
+        self.document, self.view, self._complaint = document, view, complaint
         self.controls = Controls(view, self.ask)
         self.plots = Plots()
         self._asked: dict[str, str] = {}
@@ -66,22 +68,15 @@ class Page:
         )
         self._legend = Div(name="legend", sizing_mode="stretch_width")
         self._links = Div(name="links", sizing_mode="stretch_width")
+        self._said = column(self._words, self._legend, self._links, name="said", sizing_mode="stretch_width")
         # The first link in the text, that to this view, becomes the address of the page.
         self._links.js_on_change("text", CustomJS(code=_TO_ADDRESS))
-        self.plots.plane.on_event(Tap, lambda event: self.start_at(event.x, event.y))
+        self.plots.plane.on_event(Tap, lambda event: self.ask("start", f"{event.x} {event.y}"))
         self.plots.plane.on_event(RangesUpdate, lambda event: self.look_at(event.x0, event.x1, event.y0, event.y1))
         self._lay_out()
-        document.js_on_event(DocumentReady, self.plots.clip)
+        document.js_on_event(DocumentReady, self.plots.clip, self.controls.names)
         # Nothing is computed for a request, which any page can make a browser send, but for a page that is open.
-        document.on_event(DocumentReady, lambda event: self._begin(complaint))
-
-    def _begin(self, complaint: str) -> None:
-        try:
-            self.show(self.view)
-        except LsvibError as error:
-            complaint = f"The link cannot be shown: {error}"
-            self.show(View())
-        self._alert.text = escape(complaint)
+        document.on_event(DocumentReady, lambda event: self._answer())
 
     def ask(self, key: str, text: str) -> None:
         """Take a request of a control; requests that come within a moment of each other are answered together."""
@@ -92,32 +87,25 @@ class Page:
             # Requests that come while an answer is made are gathered for 8 ms; a single one is answered at once.
             self.document.add_timeout_callback(self._answer, 0 if alone else 8)
 
-    def start_at(self, u: float, w: float) -> None:
-        """Start the motion in a point of the phase plane."""
-        self.ask("u", repr(float(u)))
-        self.ask("w", repr(float(w)))
-
     def look_at(self, left: float, right: float, bottom: float, top: float) -> None:
         """Take the window that a hand has moved or zoomed to."""
         window = Window(left, right, bottom, top)
         if self.view.window is not None and not np.allclose(window, self.view.window, rtol=1e-9, atol=0):
             self.ask("window", " ".join(map(repr, map(float, window))))
 
-    def show(self, view: View) -> None:
-        """Show a view, with all controls set to it; raises ``LsvibError`` if it has no answer."""
-        self._redraw(view)
-        self.controls.show(self.view)
-
     def _answer(self) -> None:
         asked, self._asked = self._asked, {}
         try:
-            if "parts" in asked:
-                self.show(self._with_parts(asked["parts"].split()))
-            else:
-                self._redraw(self._changed(asked))
-                if any(not key.startswith("slider:") and key != "window" for key in asked):
-                    self.controls.show(self.view)
-            self._alert.text = ""
+            view = self._with_parts(asked["parts"].split()) if "parts" in asked else self._changed(asked)
+            if answers.kind_of(view.drive) not in answers.READY:  # it is compiled beside the pages, which answer others
+                self._asked, self._alert.text = asked, _COMPILING
+                made = THREAD.submit(answers.make_ready, view)
+                made.add_done_callback(lambda done: self.document.add_next_tick_callback(self._answer))
+                return
+            self._redraw(view)
+            if any(not key.startswith("slider:") and key != "window" for key in asked):
+                self.controls.show(self.view)
+            self._alert.text, self._complaint = escape(self._complaint), ""
         except LsvibError as error:
             self._alert.text = escape(str(error))
             self.controls.show(self.view)
@@ -133,6 +121,9 @@ class Page:
                 changes |= {"over": text, **around(self.view.drive, text)}
             elif key == "window":
                 changes["window"] = Window(*(numbers.start("window", edge) for edge in text.split()))
+            elif key == "start":
+                u, w = (numbers.start(key, each) for each in text.split())
+                changes |= {"u": u, "w": w, "more": {}}  # what it has more is as in steady sliding
             elif key == "fit":
                 changes["window"] = None
             else:
@@ -151,7 +142,7 @@ class Page:
         changed = drive.replace(**changes)
         over = self.view.over if getattr(changed, self.view.over) is not None else "axial_force"
         ends: dict[str, Any] = {} if over == self.view.over else around(drive, over)
-        return replace(self.view, drive=changed, over=over, **ends)
+        return replace(self.view, drive=changed, over=over, more={}, **ends)
 
     def _redraw(self, view: View) -> None:
         """Draw what can be drawn at once; a view without an answer leaves the page as it is."""
@@ -165,7 +156,11 @@ class Page:
             found = answers.labels(view.drive, window, answers.DRAGGED)
         elif (view.drive, view.window) != (self.view.drive, self.view.window):
             found = np.full(answers.cells_of(view.drive)[::-1], -2)
-        self.view, self.shown = view, shown
+        self.view, self.shown, self._shares = view, shown, {}
+        if self._settling is None:  # what is said of the view before goes before anything of this one comes
+            self._said.styles = {"visibility": "hidden"}
+            for source in ("near", "curve", "marks", "bar"):
+                self.plots.fill(source)
         if found is not None:
             self.plots.draw_map(found, window)
         self.plots.draw_motion(view.drive, shown, window)
@@ -181,8 +176,8 @@ class Page:
         files = (("scene.yaml", "scene as YAML"), ("motion.nc", "motion as netCDF"))
         links = [f'<a href="export/{name}?{query}" download="{name}">{text}</a>' for name, text in files]
         self._links.text = " &middot; ".join([f'<a href="?{query}">link to this view</a>', *links])
-        self._shares = {}
         self._say_words()
+        self._said.styles = {"visibility": "visible"}
         self.document.add_next_tick_callback(self._find_out)
 
     @without_document_lock
@@ -273,13 +268,13 @@ class Page:
 
     def _lay_out(self) -> None:
         c = self.controls
-        left = column(c.parts, c.parameters)
         start = _line(c.texts["u"], c.texts["w"], c.texts["duration"], c.fit)
-        middle = column(self.plots.plane, self._alert, self._words, self._legend, start, self._links, **_NARROW)
+        plane = column(self.plots.plane, self._alert, start, self._said, **_NARROW)
         curve = _line(c.over, c.texts["low"], c.texts["high"])
-        right = column(self.plots.curve, curve, self.plots.force, self.plots.friction, **_NARROW)
+        others = column(self.plots.curve, curve, self.plots.force, self.plots.friction, **_NARROW)
         heading = Div(text=_HEADING, name="heading", sizing_mode="stretch_width")
-        self.document.add_root(column(heading, _line(left, middle, right), sizing_mode="stretch_width"))
+        body = _line(plane, column(c.parts, c.parameters), others)
+        self.document.add_root(column(heading, body, sizing_mode="stretch_width"))
         self.document.title = "lsvib explorer"
         self.document.template = _TEMPLATE
 

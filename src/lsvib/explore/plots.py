@@ -81,7 +81,7 @@ class Plots:
         self.clip = CustomJS(args={"plots": [self.plane, self.force]}, code=_CLIP)
 
     def _plane(self) -> figure:
-        made = _figure("plane", "Phase plane: click to start a motion there", 620, 470, (-1, 1), (-1, 1))
+        made = _figure("plane", "Phase plane: click to start a motion", 620, 470, (-1, 1), (-1, 1))
         made.xaxis.axis_label, made.yaxis.axis_label = "deviation u [rad]", "rate of the deviation u′ [rad/s]"
         made.image_rgba("image", x="x", y="y", dw="dw", dh="dh", source=self.sources["map"], **_ABOVE)
         made.multi_line(
@@ -134,18 +134,19 @@ class Plots:
 
     def draw_friction(self, speeds: np.ndarray, coefficients: np.ndarray, visited: np.ndarray) -> None:
         """Show the coefficient (n) over sliding speeds (n) [m/s], and which (n) of them the motion takes."""
-        self._fill("law", x=speeds, y=coefficients)
-        self._fill("visited", x=speeds[visited], y=coefficients[visited])
+        self.fill("law", x=speeds, y=coefficients)
+        self.fill("visited", x=speeds[visited], y=coefficients[visited])
         self.friction.x_range.update(start=0.0, end=float(speeds[-1]))
         self.friction.y_range.update(start=0.0, end=1.1 * float(coefficients.max()) or 1.0)
 
-    def _fill(self, source: str, **columns: Sequence[Any] | np.ndarray) -> None:
+    def fill(self, source: str, **columns: Sequence[Any] | np.ndarray) -> None:
+        """Show other rows of a source, or what stands in it before anything is drawn."""
         self.sources[source].data = {**_LOOKS[source], **columns}
 
     def draw_map(self, labels: np.ndarray, window: Window) -> None:
         """Show labels (rows, columns) of a window as colours."""
         sides = {"dw": [window.right - window.left], "dh": [window.top - window.bottom]}
-        self._fill("map", image=[answers.rgba(labels)], x=[window.left], y=[window.bottom], **sides)
+        self.fill("map", image=[answers.rgba(labels)], x=[window.left], y=[window.bottom], **sides)
 
     def draw_motion(self, drive: Drive, shown: Followed, window: Window) -> None:
         """Show a motion in a window with its force, its limit cycle and the lines N = 0 and θ′ = 0."""
@@ -154,20 +155,20 @@ class Plots:
         line, rates = lines([drive]), np.array([window.bottom, window.top])
         angles = line["contact_line_angle"][1][0] + line["contact_line_slope"][1][0] * rates  # N = 0
         closed = np.concatenate([shown.cycle, shown.cycle[:1]])
-        self._fill(
+        self.fill(
             "lines",
             x=[angles, np.array([window.left, window.right]), closed[:, 0], shown.u],
             y=[rates, np.full(2, -drive.input_speed), closed[:, 1], shown.w],
         )
-        self._fill("points", x=[0.0, float(shown.u[0])], y=[0.0, float(shown.w[0])])
-        self._fill("history", x=shown.time, y=shown.force)
+        self.fill("points", x=[0.0, float(shown.u[0])], y=[0.0, float(shown.w[0])])
+        self.fill("history", x=shown.time, y=shown.force)
         end = float(shown.time[-1])
         self.force.x_range.update(start=-0.02 * end, end=1.02 * end)
         low, high = _steady_range(shown.force)
         self.force.y_range.update(start=low, end=high)
 
     def start_curve(self, view: View, thresholds: Mapping[str, float]) -> None:
-        """Clear the amplitude curve and set its axis, the drive's own value and its thresholds."""
+        """Set the axis of the amplitude curve, the drive's own value and its thresholds."""
         about = described(view.over)
         decades = answers.logarithmic(view)
         self.curve.x_scale = LogScale() if decades else LinearScale()
@@ -175,11 +176,9 @@ class Plots:
         self.curve.xaxis.formatter = LogTickFormatter() if decades else BasicTickFormatter()
         self.curve.xaxis.axis_label = f"{about['long_name']} {about['symbol']} {style.unit(about['unit'])}".rstrip()
         self.curve.x_range.update(start=view.low, end=view.high)
-        self._fill("bar", x=[getattr(view.drive, view.over)])
+        self.fill("bar", x=[getattr(view.drive, view.over)])
         inside = {name: value for name, value in thresholds.items() if view.low <= value <= view.high}
-        self._fill("marks", x=list(inside.values()), name=[plain(name) for name in inside])
-        for name in ("near", "curve"):
-            self._fill(name)
+        self.fill("marks", x=list(inside.values()), name=[plain(name) for name in inside])
 
     def draw_curve(self, curves: Sequence[xr.Dataset]) -> None:
         """Show the amplitudes of two sweeps over one parameter, coloured by attractor."""
@@ -200,7 +199,7 @@ def _figure(
     """An empty drawing whose axes are as long as a redraw says."""
     return figure(
         name=name, title=title, width=width, height=height, tools=tools, x_range=x, y_range=y,
-        html_attributes={"aria-label": f"{title}; described in words below"}, **_NARROW,
+        html_attributes={"role": "group", "aria-label": f"{title}; described in words below"}, **_NARROW,
     )  # fmt: skip
 
 

@@ -23,7 +23,6 @@ from lsvib.errors import InputError, LsvibError
 from lsvib.explore import answers
 from lsvib.explore.page import THREAD, Page
 from lsvib.explore.view import View
-from lsvib.systems.motion import compile_engine
 
 MOST_PAGES = 12  # open at once, those included that were closed a moment ago
 # What is shown first: the drive on the front page of the documentation, which slides or vibrates by the start.
@@ -74,8 +73,8 @@ class PromptSocket(WSHandler):
         self.set_nodelay(True)
 
 
-def make_server(port: int) -> Server:
-    """Return a server of the page that listens already; raises ``InputError`` if the port cannot be had."""
+def make_server(port: int, front: View) -> Server:
+    """Return a server that listens already, of a page with ``front``; ``InputError`` if the port cannot be had."""
     # Bokeh has no option for the class of its sockets.
     per_app_patterns[:] = [
         (path, PromptSocket if handler is WSHandler else handler) for path, handler in per_app_patterns
@@ -90,7 +89,7 @@ def make_server(port: int) -> Server:
         arguments: Mapping[str, list[bytes]] = context.request.arguments if context else {}
         query = {key: values[-1].decode() for key, values in arguments.items() if not key.startswith("bokeh-")}
         try:
-            view, complaint = (View.of(query) if query else FRONT), ""
+            view, complaint = (View.of(query) if query else front), ""
         except LsvibError as error:
             view, complaint = View(), f"The link cannot be shown: {error}"
         Page(document, view, complaint)
@@ -119,13 +118,12 @@ def make_server(port: int) -> Server:
     return server
 
 
-def serve(port: int, show: bool) -> None:
-    """Serve the page until the command is interrupted, and open it in a browser if ``show``."""
+def serve(port: int, show: bool, front: View) -> None:
+    """Serve the page, first with ``front``, until the command is interrupted, and open it in a browser if ``show``."""
     asyncio.set_event_loop(asyncio.new_event_loop())
     logging.getLogger(WSHandler.__module__).setLevel(logging.ERROR)  # it warns when a page is closed before its answer
-    server = make_server(port)
-    compile_engine()  # at once, so that no page waits for a compiler
-    answers.labels(FRONT.drive, answers.window_around(FRONT.drive, answers.followed(FRONT)), answers.DRAGGED)
+    server = make_server(port, front)
+    answers.make_ready(front)
     address = f"http://localhost:{server.port}/"
     print(f"The explorer is at {address}; Ctrl+C ends it.", flush=True)
     server.start()

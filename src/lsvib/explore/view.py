@@ -9,6 +9,7 @@ import yaml
 
 from lsvib import numbers
 from lsvib.api import Drive
+from lsvib.drives.model import coordinates
 from lsvib.drives.scene import Scene
 from lsvib.dynamics.curves import Window
 from lsvib.errors import InputError
@@ -27,9 +28,10 @@ OF_LAW = {  # ends between which the parameters of a friction law are looked at
 class View:
     """A drive, a motion of it, a part of its phase plane and a parameter to vary.
 
-    ``u`` [rad] and ``w`` [rad/s], where the motion starts; ``duration`` [s]; ``window`` of the phase plane
-    [rad, rad/s], None for one that holds the motion and its limit cycle; ``over``, the parameter of the amplitude
-    curve, from ``low`` to ``high`` in its SI unit. Raises ``InputError`` for what is not acceptable.
+    ``u`` [rad] and ``w`` [rad/s], where the motion starts, and ``more`` coordinates of drives with parts, the others as
+    in steady sliding; ``duration`` [s]; ``window`` of the phase plane [rad, rad/s], None for one that holds the motion
+    and its limit cycle; ``over``, the parameter of the amplitude curve, from ``low`` to ``high`` in its SI unit. Raises
+    ``InputError`` for what is not acceptable.
     """
 
     drive: Drive = field(default_factory=Drive)
@@ -40,6 +42,7 @@ class View:
     over: str = "axial_force"
     low: float = 1.0
     high: float = 60.0
+    more: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         """Check everything that a link may have got wrong."""
@@ -54,7 +57,7 @@ class View:
             self.drive.replace(**{self.over: end})
 
     def _scene(self, drive: Any) -> dict[str, Any]:
-        start, samples = {"u": self.u, "w": self.w}, 2001  # no corner of the line is seen
+        start, samples = {"u": self.u, "w": self.w, **self.more}, 2001  # no corner of the line is seen
         return {"drive": drive, "start": start, "duration": self.duration, "samples": samples}
 
     def _changed(self) -> dict[str, float]:
@@ -65,6 +68,17 @@ class View:
         """Return the scene of the motion."""
         return Scene(**self._scene(self.drive))
 
+    @classmethod
+    def of_scene(cls, scene: Scene) -> Self:
+        """Return the view of a scene; raises ``InputError`` if its motion is one that the page cannot show."""
+        drive, start = Drive(**dict(scene.drive)), scene.start
+        more = {key: value for key, value in start.items() if key not in ("u", "w")}
+        view = cls(drive, start["u"], start["w"], scene.duration, more=more, **around(drive, cls.over))
+        for key, word in (("rests", "physics"), ("command", "command"), ("resume", "resume")):
+            if getattr(scene, key) != getattr(view.scene(), key):
+                raise InputError(f"the page cannot show the {word} of this scene; lsvib simulate --scene does.")
+        return view
+
     def yaml(self) -> str:
         """Return the scene as YAML, as ``lsvib simulate --scene`` reads it."""
         return yaml.safe_dump(self._scene(self._changed()), sort_keys=False)
@@ -72,7 +86,7 @@ class View:
     def query(self) -> str:
         """Return the part of a link that says all of this; every number comes back with the same bits."""
         values: dict[str, Any] = {key: repr(value) for key, value in self._changed().items()}
-        values |= {key: repr(getattr(self, key)) for key in _NUMBERS}
+        values |= {key: repr(getattr(self, key)) for key in _NUMBERS} | {key: repr(x) for key, x in self.more.items()}
         values["over"] = self.over
         if self.window is not None:
             values |= {name: repr(float(edge)) for name, edge in self.window._asdict().items()}
@@ -83,6 +97,7 @@ class View:
         """Read a link; raises ``InputError`` in one sentence for a key or value that is not acceptable."""
         given = dict(query)
         values: dict[str, Any] = {key: numbers.start(key, given.pop(key)) for key in _NUMBERS if key in given}
+        values["more"] = {key: numbers.start(key, given.pop(key)) for key in coordinates()[2:] if key in given}
         if "over" in given:
             values["over"] = given.pop("over")
         if edges := {name: numbers.start(name, given.pop(name)) for name in Window._fields if name in given}:
@@ -92,7 +107,7 @@ class View:
         return cls(drive=Drive.of(given), **values)
 
 
-def around(drive: Drive, key: str) -> dict[str, float]:
+def around(drive: Drive, key: str) -> dict[str, Any]:
     """Return a range of the amplitude curve over a parameter: from a hundredth of its value to twice, or above zero.
 
     Of a friction at rest it begins with that in sliding. Of a parameter of a friction law it is that of
