@@ -77,8 +77,7 @@ def held_by_differences(motion, start, drive):
 
     with ctx.workdps(60):
         reference = differences(end, start, size, STEP).astype(float)
-    exact = derivative(motion)
-    matrix, rounding = (part * size / size[:, None] for part in (exact.matrix, exact.rounding))
+    matrix, rounding = (part * size / size[:, None] for part in derivative(motion))
     away, largest = np.abs(matrix - reference), np.abs(reference).max()
     rows = np.abs(reference).max(axis=1, keepdims=True)
     assert (away <= 1e-9 * largest + 4 * rounding).all()

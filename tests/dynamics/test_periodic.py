@@ -232,7 +232,7 @@ FOLDING = threads_drive(NEAR_FOLD, contact_stiffness=1e8, contact_damping=1e8)
 
 def across(cycle):
     """States beside a cycle on both sides, along the direction in which it repels."""
-    values, vectors = np.linalg.eig(cycle.section.derivative(cycle.orbit).matrix)
+    values, vectors = np.linalg.eig(cycle.section.derivative(cycle.orbit)[0])
     direction = vectors[:, np.argmax(np.abs(values))].real
     place = cycle.section.place(cycle.state)
     return [cycle.section.state(place + step * direction) for step in (-1e-6, 1e-6)]

@@ -9,14 +9,8 @@ with logged(snakemake):
     from lsvib import Drive
     from lsvib.dynamics.impulses import work
     from lsvib.files import write_text
-    from lsvib.systems.attractor import compile_rule
-    from lsvib.systems.motion import compile_engine
 
     part = snakemake.wildcards.part
-    if part == "planar":
-        compile_rule()
-    if part != "taylor":
-        compile_engine((part,))
     drive = Drive(mass=11, **{"modal": THREADS, "taylor": LAW}.get(part, {}))
     cycle = drive.steady_state({"u": 0.1, "w": 0.0})
     _ = cycle.amplitude, work(drive, cycle.orbit), cycle.orbit.at([0.0])  # what figures ask of a cycle

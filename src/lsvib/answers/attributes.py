@@ -13,8 +13,9 @@ import numpy as np
 
 from lsvib.drives import chapter
 from lsvib.drives.drive import Drive
-from lsvib.drives.observables import words_of
-from lsvib.variables import *  # noqa: F403  # all that variables of any dataset have
+from lsvib.drives.names import WORDS
+from lsvib.drives.observables import TABLE
+from lsvib.variables import *  # noqa: F403  # so that all of these functions are in one place
 from lsvib.variables import Dims, Variables, attributes, flags, named_index, variable
 
 
@@ -25,7 +26,7 @@ def about_drive(drive: Drive, parameters: Iterable[tuple[str, Any]]) -> dict[str
 
 def quantity(name: str, when: str = "") -> dict[str, str]:
     """Return ``long_name``, ``units`` and ``symbol`` of a quantity of a drive, before or after an event if so said."""
-    long_name, units, symbol = words_of(name)
+    long_name, units, symbol = WORDS[name] if name in WORDS else TABLE[name].words
     return {"long_name": f"{long_name}, {when} the event" if when else long_name, "units": units, "symbol": symbol}
 
 

@@ -58,24 +58,18 @@ def automaton_of(
             "physics leaves out rest, which only a rigid drive below its critical mass may do, if its motor turns "
             "evenly and friction does not depend on the speed; list rest."
         )
-    return _under_command(drive, command, resume) if command else _at_one_speed(drive, resume, rest)
+    return _made(drive, resume, command, rest)
 
 
 @once
-def _at_one_speed(drive: Drive, resume: Resume, rest: bool) -> Automaton:
-    with many_digits():
-        modes = modes_of(drive.exact(), drive.parts, resume)
-        return modes.automaton() if rest else modes.without_rest()
-
-
-@once
-def _under_command(drive: Drive, command: Command, resume: Resume) -> Automaton:
-    """Modes of its own for each piece of the command.
-
-    The clock, the last state, begins anew in each piece, so that no digits of Ω(t) are lost late.
-    """
+def _made(drive: Drive, resume: Resume, command: Command | None, rest: bool) -> Automaton:
     with many_digits():
         d = drive.exact()
+        if command is None:
+            modes = modes_of(d, drive.parts, resume)
+            return modes.automaton() if rest else modes.without_rest()
+        # Each piece of the command has modes of its own. The clock, the last state, begins anew in each, so that no
+        # digits of Ω(t) are lost late.
         pieces = [(modes_of(d, drive.parts, resume, (arb(s), arb(a))), x) for x, s, a in command.pieces()]
         return assemble(**one_after_the_other([(modes.layout(), duration) for modes, duration in pieces]))
 

@@ -1,6 +1,5 @@
 """A drive in words and numbers: its parts, coordinates, equations of motion and modes, so that one sees what it is."""
 
-from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -91,17 +90,6 @@ def _bodies(drive: Drive, reach: float) -> list[str]:
     return [*lines, "z = θ − θ_m" if "motor" in d.parts else f"z = θ{turned}"]
 
 
-def _held(mechanism: Mechanism) -> Iterator[str]:
-    """Say up to which friction slide and bearing hold, by themselves or together with the threads."""
-    of = {"slide": ("x′ = 0", "N"), "bearing": ("θ′ = 0", "N m")}
-    for name, holding in mechanism.holding.items():
-        speed, unit = of[name]
-        if name in mechanism.own:
-            yield f"held: {speed} while friction of the {name}, up to {float(holding):.6g} {unit}, holds"
-        else:
-            yield f"rest: the {name} holds up to {float(holding):.6g} {unit}, and lets go together with the threads"
-
-
 def _sum(terms: list[tuple[str, float, str]]) -> str:
     """Terms, each a sign, a number and what it multiplies; those that are zero are left out."""
     return " ".join(f"{sign} {value:.6g} {name}".strip() for sign, value, name in terms if value)
@@ -113,8 +101,14 @@ def _threads(drive: Drive, mechanism: Mechanism) -> list[str]:
     lines = [
         f"slip: τ = {levers[0]:.6g} n where n ({slip}) > 0, τ = {levers[1]:.6g} n where it is < 0",
         f"rest: {slip} = 0 while static friction, μ = {float(mechanism.d.static_friction):.6g}, holds",
-        *_held(mechanism),
     ]
+    of = {"slide": ("x′ = 0", "N"), "bearing": ("θ′ = 0", "N m")}
+    for name, holding in mechanism.holding.items():
+        (speed, unit), most = of[name], f"{float(holding):.6g}"
+        if name in mechanism.own:
+            lines.append(f"held: {speed} while friction of the {name}, up to {most} {unit}, holds")
+        else:
+            lines.append(f"rest: the {name} holds up to {most} {unit}, and lets go together with the threads")
     if friction.depends_on_speed(drive):
         lines[0] += ", at slow sliding"
     if mechanism.compliant:

@@ -253,8 +253,13 @@ class Drive(Checked):
                     f"{key} = {static:g} is outside the allowed range 0 or {name}_friction = {sliding:g} "
                     f"<= {key} <= 1e+12."
                 )
-        if self.collar_friction:
-            self._check_collar()
+        if self.collar_friction and not self.collar_radius:
+            raise InputError(f"collar_friction = {self.collar_friction:g} needs collar_radius > 0.")
+        if self.collar_friction and (comply := [part for part in self.parts if part != "motor"]):
+            raise InputError(
+                f"collar_friction = {self.collar_friction:g} is not followed with {IN_WORDS[comply[0]]}: the force "
+                "on the collar is then not that of the threads, or it turns otherwise; take one of them out."
+            )
         if self.coupling_damping and self.motor_inertia is None:
             raise InputError(
                 f"coupling_damping = {self.coupling_damping:g} needs a motor (motor_inertia, integral_gain), against "
@@ -268,15 +273,6 @@ class Drive(Checked):
             )
         if any(True for key, _ in self if key in friction.NAMES):
             friction.check(self, limit)
-
-    def _check_collar(self) -> None:
-        if not self.collar_radius:
-            raise InputError(f"collar_friction = {self.collar_friction:g} needs collar_radius > 0.")
-        if comply := [part for part in self.parts if part != "motor"]:
-            raise InputError(
-                f"collar_friction = {self.collar_friction:g} is not followed with {IN_WORDS[comply[0]]}: the force "
-                "on the collar is then not that of the threads, or it turns otherwise; take one of them out."
-            )
 
     @classmethod
     def of(cls, values: "Drive | Mapping[str, Any] | None" = None, /, **more: Any) -> Self:

@@ -80,7 +80,12 @@ def groups(drives: ManyDrives, entries: np.ndarray) -> Iterator[Group]:
         members = waiting.pop()
         try:
             with np.errstate(all="ignore"):  # what overflows or divides by zero is not safe
-                made = _group(drives, members, parts)
+                modes = modes_of(drives.doubles(members, np.longdouble), parts)
+                automaton, m = _layered(modes.automaton(), members.size), modes.m
+                safe, force = _finite(automaton, members.size), abs(double(m.steady_normal_force))
+                shape = members.size, len(m.states)
+                states = (np.broadcast_to(state(m), shape) for state in (seated, standing))
+                made = Group(members, safe, automaton, force, *states)
         except Divided as apart:
             waiting += [members[apart.signs == value] for value in np.unique(apart.signs) if not np.isnan(value)]
         except EngineError:
@@ -89,19 +94,10 @@ def groups(drives: ManyDrives, entries: np.ndarray) -> Iterator[Group]:
             yield made
 
 
-def _group(drives: ManyDrives, members: np.ndarray, parts: tuple[str, ...]) -> Group:
-    """Return a group; raises ``Divided`` where what is made of the drives is not of one structure."""
-    size, modes = members.size, modes_of(drives.doubles(members, np.longdouble), parts)
-    automaton, m = _layered(modes.automaton(), size), modes.m
-    states = (np.broadcast_to(state(m), (size, len(m.states))) for state in (seated, standing))
-    return Group(members, _finite(automaton, size), automaton, abs(double(m.steady_normal_force)), *states)
-
-
 def _layered(automaton: Automaton, size: int) -> Automaton:
     """Give the tables that are the same for all drives of a group, being numbers, the axis for the drives, too."""
 
     def layers(table: np.ndarray, dimensions: int) -> Any:
-        """Return a table with the axis; ``dimensions`` are those of the table of one drive."""
         if np.ndim(table) > dimensions:
             return np.ascontiguousarray(table)
         # a copy, so that kernels see the same type of array for every group

@@ -167,22 +167,14 @@ def damping_by_slope(
 class LinearParts:
     """What the characteristic polynomial of steady sliding is made of, in any kind of number (SI units).
 
-    With t = tan λ, g = 1 + s_0 μ t, h = r_m² t (s_0 μ − t) + s_0 r_m t μ_b r_b g, the ``screw`` A = I s² + c s + k and
-    the translating mass B = m s² + c_x s, the polynomial of the rigid drive (8.13) is D = g A − h B, that is
-    g (Γ_0 s² + C_0 s + k). A unit of the contact force moves each body by the inverse of its polynomial. So with
-    Y = m_1 s² + c_1 s + k_1 of an axial support, N = I_2 s² + c_2 s + k_2 of a nut that may turn and E = c_c s + k_c of
-    compliant threads, it is
+    It is the sum of docs/physics.md, g (1/B + 1/Y) − h (1/A + 1/N) + (1 + t²) / E, times all that stands below a line,
+    with t = tan λ, g = 1 + s_0 μ t and h = r_m² t (s_0 μ − t) + s_0 r_m t μ_b r_b g. ``along`` are B and Y, ``turning``
+    A and N, ``contact`` E or nothing. A body that is carried by another one adds I s² S / (I s² + S) to its polynomial,
+    S = c s + k, so that these are pairs, what stands above and below a line.
 
-        g (1/B + 1/Y) − h (1/A + 1/N) + (1 + t²) / E
-
-    times all that stands below a line; what belongs to a part that is not there is left out. ``along`` are B and Y,
-    ``turning`` A and N, ``contact`` E or nothing. A body that is carried by another one adds I s² S / (I s² + S) to its
-    polynomial, S = c s + k, so that these are pairs, what stands above and below a line.
-
-    Where friction depends on the sliding speed, μ is that of steady sliding, and its change with the speed damps (see
-    docs/physics.md): the sum has the term σ s (1/A + 1/N) (1/B + 1/Y + 1/E) more, with σ = (1 + t²) r_m² |N_0| μ′. As
-    |N_0| is |R̃| / (g cos λ), all is then multiplied by g, called ``times``, so that it is a polynomial in every
-    parameter but those of the sliding speed; ``sloped`` is g σ, None without such a law.
+    Where friction depends on the sliding speed the sum has a term with σ = (1 + t²) r_m² |N_0| μ′ more. As |N_0| is
+    |R̃| / (g cos λ), all is then multiplied by g, called ``times``, so that it is a polynomial in every parameter but
+    those of the sliding speed; ``sloped`` is g σ, None without such a law.
     """
 
     t: Any

@@ -20,8 +20,7 @@ stays so. Rigid threads have e = 0, and then n = Q / (positive factor × Γ_s), 
     Γ_s = I_eff − ξ_s tan λ m_eff r_m²,    1 / I_eff = 1 / I + 1 / I_2,    1 / m_eff = 1 / m + 1 / m_1
                                                                                          (8.17, 8.27, 8.28, 8.33)
 
-with the terms of the parts that are there. A thrust collar, which carries n, brakes the screw by μ_b r_b |n|; with all
-parts rigid it turns with the slip, so that r_m ξ_s + s μ_b r_b takes the place of r_m ξ_s, and τ is the torque of both.
+with the terms of the parts that are there. A thrust collar adds s μ_b r_b to r_m ξ_s, and τ is the torque of both.
 Compliant threads carry N = cos λ (k_c e + c_c e′), and (5.16, 5.17, 8.6)
 
     n = N (cos λ + s μ sin λ) in slip,      n = N / cos λ + tan λ τ / r_m at rest.
@@ -29,8 +28,7 @@ Compliant threads carry N = cos λ (k_c e + c_c e′), and (5.16, 5.17, 8.6)
 The state is (u, w) as in the rigid drive, then the coordinate of each part that is there with its rate: those of
 motor, support and nut less their values in steady sliding, where n = R − r_m tan λ c_x Ω − F_0 sgn Ω, and e itself.
 
-Where the commanded speed changes as Ω(t) = Ω_0 + α t, the command is ∫ Ω(t) dt in place of Ω t, and u and θ_m are
-measured from it; w and the rate of the motor stay those from the constant Ω. Time is then one more state, the clock.
+Where the commanded speed changes as Ω(t) = Ω_0 + α t (docs/physics.md), time is one more state, the clock.
 
 All that a mode does follows from one linear system, whose unknowns are the accelerations, n, τ and the friction that
 holds a body. Its solution is made of affine functions of the state, *rows* of numbers (the constant last): balls of one
@@ -310,7 +308,6 @@ class Mechanism:
         return plus(scaled(stretched, -stiffness), scaled(faster, -damping))
 
     def _threads(self, law: int, mu: Any, rates: Mapping[str, Row]) -> list[tuple[dict[str, Any], Row]]:
-        """Return the equations of the contact, in slip under a law or at rest."""
         d, zero = self.d, self.constant(0)
         turns: dict[str, Any] = {"torque": 1, "contact": -self.lever(law, mu)} if law else {"screw": 1}
         if not law and "nut" in self.parts:

@@ -8,11 +8,8 @@ solves; all else follows from the signs of speeds and forces.
   consistent in each state: with the accelerations as unknowns, all pieces of the contact problem have determinants of
   one sign. At ω = 0, or where a body stops, that mode is found by trying all of them (:meth:`Modes._outcomes`).
 * Rigid threads, Γ₊ ≤ 0 (the Painlevé region, in which a body that slides on its own is refused): law s = −1 is followed
-  where it is admissible, dQ < 0. Elsewhere, and on arriving at Q = 0, the threads *seize*: ω jumps to zero by an impact
-  with an impulse of the sign of ω. After it, slip under law −1 against ω starts at once if it is admissible and
-  accelerates away from rest; otherwise the threads rest, or, beyond the ends of static friction, slip under law −1
-  (``resume="contact_sign"``, the limit of a compliant contact). With ``resume="at_once"``, the chapter's reading of the
-  rigid drive, the sign of Q alone decides; then seizures can accumulate at ω = 0, Q = 0, beyond which the screw rests.
+  where it is admissible, dQ < 0. Elsewhere, and on arriving at Q = 0, the threads *seize*: docs/physics.md says why,
+  and what follows the impact by either rule of ``resume``.
 * Compliant threads: nothing is imposed. N is a function of the state, so a seizure is the fast growth of N under law
   s = +1, which stops the screw, and the motion after it follows from the same equations. N changes at rest, too, where
   the load moves on.
@@ -21,13 +18,9 @@ Static friction above that of slow sliding leaves several modes consistent. Then
 that needs more friction than it has lets go. So it does in the limit of friction that falls ever more steeply from
 rest. Where several need more, that limit is not one mode for sure, and the one with most at rest is taken.
 
-A drive without parts has two states, (u, w), and its own fast flow. With Γ_s and C_s by the law, ξ_0 that of steady
-sliding and R̃ = R − r_m tan λ c_x Ω (8.13–8.17),
-
-    Γ_s u″ + C_s u′ + k u = r_m (ξ_0 − ξ_s) R̃,      Q = r_m tan λ [m k u + (m c − I c_x) u′] + Γ_0 R̃.
-
-With R = 0 both T_r and Q are zero in one place of ω = 0, the *corner*. Seizures from one side of it leave the coupling
-at deflections z_{n+1} = (c − I c_x / m) z_n² / (2 Γ₋ |Ω|) + O(z_n³), so that infinitely many accumulate in the corner
+A drive without parts has two states, (u, w), its own fast flow, and Q as in docs/physics.md (8.17). With R = 0 both T_r
+and Q are zero in one place of ω = 0, the *corner*. Seizures from one side of it leave the coupling at deflections
+z_{n+1} = (c − I c_x / m) z_n² / (2 Γ₋ |Ω|) + O(z_n³), so that infinitely many accumulate in the corner
 in finite time; after three or four the next one lies below the digits of a double. The screw rests there for no time,
 and is released to the other side.
 """
@@ -240,26 +233,20 @@ class Modes:
         return Guard(surface, side, transition)
 
     def _slip_guards(self, key: Key) -> tuple[Guard, ...]:
-        (d, _, ways), m, suffix = key, self.m, self._suffix(key[2])
-        contact = () if m.idle else (self._contact_guard(key),)
+        (d, q, ways), m, suffix, here = key, self.m, self._suffix(key[2]), self.name(key)
+        contact: tuple[Guard, ...] = ()
+        if not m.idle:
+            turned = (Branch(self.name((d, -q, ways)), Event.CONTACT_REVERSAL, sign=-q),)
+            branches, reset = (tuple(self._after_seizure(d)), m.impact) if self.seizes else (turned, None)
+            self.transitions[f"contact_{here}"] = Transition(branches, reset=reset)
+            surface = f"contact_{DIRECTIONS[self._known(key)[0]]}{suffix}"
+            contact = (self._guard(surface, self.gauge(d, ways), q, f"contact_{here}"),)
         if f"stop{suffix}" not in self.transitions:
             self.transitions[f"stop{suffix}"] = self._stop("slip", 0, ways)
         stop = self._guard("slip_speed", m.slip, d, f"stop{suffix}", m.place.get("nut", 0) + 1)
         return (*contact, stop, *self._body_guards(key))
 
-    def _contact_guard(self, key: Key) -> Guard:
-        """Return the guard of slip on n = 0."""
-        (d, q, ways), here = key, self.name(key)
-        if self.seizes:
-            self.transitions[f"contact_{here}"] = Transition(tuple(self._after_seizure(d)), reset=self.m.impact)
-        else:
-            turned = Branch(self.name((d, -q, ways)), Event.CONTACT_REVERSAL, sign=-q)
-            self.transitions[f"contact_{here}"] = Transition((turned,))
-        surface = f"contact_{DIRECTIONS[self._known(key)[0]]}{self._suffix(ways)}"
-        return self._guard(surface, self.gauge(d, ways), q, f"contact_{here}")
-
     def _held_in(self, ways: Ways) -> list[str]:
-        """Return the dry frictions that hold their bodies."""
         return [body for body, way in zip(self.m.own, ways, strict=True) if way == 0]
 
     def _suffix(self, ways: Ways) -> str:

@@ -7,7 +7,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from lsvib.drives.mechanism import Mechanism, Solution
-from lsvib.drives.names import WORDS
 from lsvib.systems.exact.arithmetic import Row
 
 
@@ -45,8 +44,3 @@ TABLE = {
 def rows(mechanism: Mechanism, mode: Solution) -> dict[str, Row]:
     """Return the rows of all observables in a mode."""
     return {name: one.row(mechanism, mode) for name, one in TABLE.items()}
-
-
-def words_of(name: str) -> tuple[str, str, str]:
-    """Return long name, unit and symbol of an observable or of a coordinate."""
-    return WORDS[name] if name in WORDS else TABLE[name].words

@@ -117,7 +117,7 @@ class Scene(Checked):
     ``drive``: its parameters. ``physics``: the terms that the scene has – a damping or force that is listed nowhere
     must be zero in the drive, and without ``rest`` the motion of a rigid drive is taken never to reach θ′ = 0, so
     reversal, rest and seizure are left out; by default the non-zero terms and rest. ``resume``: how motion goes on
-    after a seizure, see :mod:`lsvib.drives.modes`. ``start``: u [rad], w [rad/s], and what else the model has; or
+    after a seizure, see docs/physics.md. ``start``: u [rad], w [rad/s], and what else the model has; or
     ``rest``: the screw stands with the coupling relaxed as the motor begins to turn. ``command``: the commanded speed
     over time, :class:`lsvib.drives.scene.Command`, in place of the constant ``input_speed``, from whose steady
     sliding deviations are measured still. ``duration`` [s]. ``samples``: number of equidistant output times, both ends

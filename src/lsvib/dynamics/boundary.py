@@ -212,7 +212,15 @@ def _in_paradox(drive: Drive, c: Coefficients) -> tuple[Boundary, list[Curve]]:
             f"translation_damping = {drive.translation_damping:g} is not below support_damping * mass / screw_inertia, "
             "so that seizures lead into backward slip; the basin of such a drive is not covered."
         )
-    _require_rest_in_basin(drive, c, float(trace.before[0, 0]))
+    with many_digits():  # else slip from θ′ = 0 may settle although release from rest does not
+        upper, d = 1 if drive.axial_force >= 0 else -1, drive.exact()
+        torque = c.damping[-1] * d.input_speed + d.pitch_radius * c.slack(upper) * d.axial_force
+        released = torque / d.coupling_stiffness
+    if not float(trace.before[0, 0]) < released:
+        raise InputError(
+            f"axial_force = {drive.axial_force:g} has the sign of input_speed although the net force has not, and rest "
+            "does not settle; the basin of such a drive is not covered."
+        )
     if ended and trace.before[-1, 1] == drive.input_speed and trace.end_state[0] < touch[0]:
         raise InputError(
             f"support_damping = {drive.support_damping:g} is so large that doubles do not determine where slip from "
@@ -222,7 +230,13 @@ def _in_paradox(drive: Drive, c: Coefficients) -> tuple[Boundary, list[Curve]]:
         arcs = _wind_up(drive, back, start, mode)
         if not arcs:
             return Boundary.NONE, []
-    return (Boundary.TOUCHING_SLIP if ended else Boundary.CYCLE), [_with_seizures(arcs[-1], c)]
+    # slip from (x, −Ω), continued along the line u = x, on which seizures end and begin
+    slip, (q_u, q_w, q_0) = arcs[-1], map(float, c.q_row)
+    x = slip.start[0]
+    seizure = np.array([x, -(q_u * x + q_0) / q_w])
+    low, high = np.array([x, -math.inf]), np.array([x, math.inf])
+    curve: Curve = [Segment(low, slip.start), slip, Segment(slip.end, seizure), Segment(seizure, high)]
+    return (Boundary.TOUCHING_SLIP if ended else Boundary.CYCLE), [curve]
 
 
 def _touch(drive: Drive, c: Coefficients) -> tuple[arb, arb] | None:
@@ -242,33 +256,6 @@ def _touch(drive: Drive, c: Coefficients) -> tuple[arb, arb] | None:
             )
         w = -rho / kappa
         return -(q_w * w + q_0) / q_u, w
-
-
-def _require_rest_in_basin(drive: Drive, c: Coefficients, edge: float) -> None:
-    """Refuse drives with R > 0 > R̃ in which slip from θ′ = 0 may settle although release from rest does not."""
-    d = drive.exact()
-    with many_digits():
-        upper = 1 if d.axial_force >= 0 else -1
-        torque = c.damping[-1] * d.input_speed + d.pitch_radius * c.slack(upper) * d.axial_force
-        released = torque / d.coupling_stiffness
-    if not edge < released:
-        raise InputError(
-            f"axial_force = {drive.axial_force:g} has the sign of input_speed although the net force has not, and rest "
-            "does not settle; the basin of such a drive is not covered."
-        )
-
-
-def _with_seizures(slip: Arc, c: Coefficients) -> Curve:
-    """Return the boundary along slip from (x, −Ω), continued along the line u = x, on which seizures end and begin."""
-    q_u, q_w, q_0 = (float(x) for x in c.q_row)
-    x = slip.start[0]
-    seizure = np.array([x, -(q_u * x + q_0) / q_w])
-    return [
-        Segment(np.array([x, -math.inf]), slip.start),
-        slip,
-        Segment(slip.end, seizure),
-        Segment(seizure, np.array([x, math.inf])),
-    ]
 
 
 def _wind_up(drive: Drive, back: Automaton, start: NDArray[np.float64], mode: int) -> list[Arc]:
@@ -332,7 +319,6 @@ def _traced_arcs(trace: Motion) -> list[Arc]:
 
 
 def _row_of(automaton: Automaton, mode: int) -> int:
-    """Return the row of a mode in the tables of an automaton, by its code."""
     return int(np.flatnonzero(automaton.codes == mode)[0])
 
 
@@ -341,9 +327,9 @@ def _mirrored(found: Basin, drive: Drive) -> Basin:
     automaton = automaton_of(drive)
 
     def turned(piece: Segment | Arc) -> Segment | Arc:
-        """A piece of the boundary, turned by half a turn, with the mode that has both signs reversed."""
         if isinstance(piece, Segment):
             return Segment(-piece.start, -piece.end)
+        # with both signs reversed
         code = MotionMode.SLIP_BACKWARD_NEGATIVE - int(automaton_of(found.drive).codes[piece.mode])
         return Arc(_row_of(automaton, code), -piece.start, -piece.end, piece.duration)
 

@@ -247,10 +247,14 @@ def _cut(flow: Flow, piece: Piece, window: Window) -> list[Piece]:
             cuts += [(time, axis, place) for time in sign_changes(flow, piece, row)]
         cuts.sort()
         times = np.array([0.0, *(time for time, _, _ in cuts), piece.duration])
-        ends = itertools.pairwise([piece.start, *states_on(flow, piece, times[1:-1]), piece.end])
-        parts = [Arc(piece.mode, *pair, time) for pair, time in zip(ends, np.diff(times).tolist(), strict=True)]
+        pairs = itertools.pairwise([piece.start, *states_on(flow, piece, times[1:-1]), piece.end])
+        parts = [Arc(piece.mode, *pair, time) for pair, time in zip(pairs, np.diff(times).tolist(), strict=True)]
     else:
-        piece = _finite(piece, window)
+        # in place of infinite ends points beyond the window and beyond the other end
+        height, ends = window.top - window.bottom, (piece.start, piece.end)
+        places = [window.bottom, window.top, *(point[1] for point in ends if math.isfinite(point[1]))]
+        low, high = min(places) - height, max(places) + height
+        piece = Segment(*(np.array([point[0], np.clip(point[1], low, high)]) for point in ends))
         for axis, place in lines:
             first, last = piece.start[axis] - place, piece.end[axis] - place
             if (first < 0) != (last < 0) and first != 0 and last != 0:
@@ -263,11 +267,3 @@ def _cut(flow: Flow, piece: Piece, window: Window) -> list[Piece]:
         point[axis] = place
         parts[k], parts[k + 1] = replace(parts[k], end=point), replace(parts[k + 1], start=point)
     return parts
-
-
-def _finite(piece: Segment, window: Window) -> Segment:
-    """Replace the infinite ends of a segment by points beyond the window and beyond the other end."""
-    height, ends = window.top - window.bottom, (piece.start, piece.end)
-    places = [window.bottom, window.top, *(point[1] for point in ends if math.isfinite(point[1]))]
-    low, high = min(places) - height, max(places) + height
-    return Segment(*(np.array([point[0], np.clip(point[1], low, high)]) for point in ends))

@@ -1,8 +1,7 @@
 r"""How large a perturbation steady sliding tolerates, and how much of a window settles: from the boundary of the basin.
 
-A perturbation moves the drive from steady sliding to a deviation (u, w) at once. It is tolerated if that lies in the
-basin; the smallest that is not ends on the boundary, and all smaller ones are tolerated: along u = 0 and w = 0 up
-to the nearest crossing, by energy E = k u² / 2 + J w² / 2, J = I + m r_m² tan² λ, to the nearest point (docs/basin.md).
+It moves the drive from steady sliding to a deviation (u, w) at once, and is tolerated if that lies in the basin
+(docs/basin.md); energy is E = k u² / 2 + J w² / 2, J = I + m r_m² tan² λ.
 """
 
 import math
@@ -134,7 +133,6 @@ def _stationary(flow: Flow, arc: Arc, stiffness: float, inertia: float) -> list[
         return sign_changes(flow, arc, np.array([stiffness, 0, 0]) + way * inertia * flow.field[arc.mode, 1])
 
     def rate(times: Any) -> np.ndarray:
-        """k u + J w′ at times [s] of the arc."""
         states = states_on(flow, arc, times)
         whole = np.column_stack([states, np.ones(len(states))])
         force = flow.share(states, np.full(len(states), arc.mode)) * (whole @ flow.tables.contact[arc.mode])

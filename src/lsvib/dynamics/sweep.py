@@ -132,7 +132,11 @@ def endings_at_once(
     def fill(block: np.ndarray) -> int:
         """Write what the motions of a block end on; returns how many are done."""
         for group in groups(drives, block):
-            closed, endings = _group_endings(drives, group, _states_of(group, drives, starts))
+            states = np.array(group.standing if starts is None else group.seated)
+            for name, value in (starts or {}).items():
+                column = np.broadcast_to(value, (drives.size,))[group.members]
+                states[:, group.automaton.states.index(name)] = column
+            closed, endings = _group_endings(drives, group, states)
             found[group.members[closed]] = endings[closed]
             is_open[group.members[closed]] = False
         return int((~is_open[block]).sum())
@@ -144,17 +148,6 @@ def endings_at_once(
             if progress is not None and count:
                 progress(done, drives.size)
     return found, is_open
-
-
-def _states_of(group: Group, drives: ManyDrives, starts: Starts | None) -> np.ndarray:
-    """Return the states (j, n) from which the motions of a group begin."""
-    if starts is None:
-        return np.array(group.standing)
-    model, states = model_of(drives.one(int(group.members[0]))), np.array(group.seated)
-    for name, value in starts.items():
-        place = model.states.index(name)
-        states[:, place] = np.broadcast_to(value, (drives.size,))[group.members]
-    return states
 
 
 def _group_endings(drives: ManyDrives, group: Group, starts: np.ndarray) -> tuple[np.ndarray, np.recarray]:
@@ -185,7 +178,12 @@ def _group_endings(drives: ManyDrives, group: Group, starts: np.ndarray) -> tupl
         impulse=axial * along - torque * across,
     )
     followed, reverses = np.flatnonzero(done), np.int64(Event.CONTACT_REVERSAL)
-    kernels.ends_of_many(_rule(automaton, one), members, followed, reverses, answers)
+    asked = KnownCycles.of((), automaton, 0).asked
+    asked = asked._replace(facts=asked.facts._replace(conserves=False))
+    engine, room, counts = machine_for(one, engine_for(one)), records(n), new_found(n, WORK)
+    address = jit.address(end_of, engine, members.tables, asked, 0, np.zeros(n), room, counts)
+    rule = kernels.Rule(address, extremes_of(one), engine, asked, WORK, room, counts)
+    kernels.ends_of_many(rule, members, followed, reverses, answers)
     outcomes = answers.outcomes
     _slide(group, outcomes == Outcome.SLIDES, found)
     cycles = outcomes == Outcome.CYCLE
@@ -217,18 +215,7 @@ def _in_rows(many: Tables) -> tuple[Tables, np.ndarray, np.ndarray]:
     return one, row.view(np.uint8), rows.view(np.uint8).reshape(rows.size, -1)
 
 
-def _rule(automaton: Automaton, one: Tables) -> kernels.Rule:
-    """Return how motions of many drives are followed, in the tables of one."""
-    asked = KnownCycles.of((), automaton, 0).asked
-    asked = asked._replace(facts=asked.facts._replace(conserves=False))
-    engine, n = machine_for(one, engine_for(one)), len(automaton.states)
-    room, found = records(n), new_found(n, WORK)
-    address = jit.address(end_of, engine, of_one_type(one), asked, 0, np.zeros(n), room, found)
-    return kernels.Rule(address, extremes_of(one), engine, asked, WORK, room, found)
-
-
 def _slide(group: Group, here: np.ndarray, found: np.recarray) -> None:
-    """Write steady sliding for some members of a group."""
     found.attractor[here] = Attractor.STEADY_SLIDING
     found.amplitude[here] = found.peak_normal_impulse[here] = 0.0
     found.peak_normal_force[here] = group.steady_force[here]

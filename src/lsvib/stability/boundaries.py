@@ -7,7 +7,7 @@ friction depends. They, and why a list of their roots is complete, stand in docs
 """
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from itertools import islice, pairwise
 from typing import Any
@@ -284,7 +284,12 @@ class Line:
         depends = found is not None
         candidates += [(x, RootCondition(FRICTIONLESS, _friction)) for x in self.cuts()]
         for law in sorted(laws, reverse=True):
-            for condition, roots in self._margin_roots(law):
+            conditions = _margins(self.drive, law, self.neutral, self.sloped)
+            if self.searched:
+                found_by = [self.roots_with_friction(condition) for condition in conditions]
+            else:
+                found_by = [self.roots(x) for x in self.margins(fmpq_poly([0, 1]), law)]
+            for condition, roots in zip(conditions, found_by, strict=True):
                 depends |= roots is not None
                 candidates += [(x, condition) for x in roots or [] if self.law(x) == law and self.rubs(x)]
         cuts: list[tuple[fmpq, RootCondition]] = []
@@ -296,14 +301,6 @@ class Line:
         parts = [(a, b, self.stable(self.between(a, b))) for a, b in pairwise(edges)]
         changed = [cut for cut, before, after in zip(cuts, parts, parts[1:], strict=False) if before[2] != after[2]]
         return parts, [self.place(*cut) for cut in changed], depends
-
-    def _margin_roots(self, law: int) -> Iterator[tuple[RootCondition, list[fmpq] | None]]:
-        conditions = _margins(self.drive, law, self.neutral, self.sloped)
-        if self.searched:
-            yield from ((condition, self.roots_with_friction(condition)) for condition in conditions)
-        else:
-            numbers = self.margins(fmpq_poly([0, 1]), law)
-            yield from ((condition, self.roots(x)) for condition, x in zip(conditions, numbers, strict=True))
 
     @classmethod
     def all_of(cls, drive: Drive, unknown: str) -> "list[Line]":
@@ -377,5 +374,4 @@ def place_values(drive: Drive, name: str, unknown: str) -> list[float]:
 
 
 def _in_order(drive: Drive, unknown: str, found: Iterable[Place]) -> list[Place]:
-    """The places that a drive can have, in ascending order."""
     return sorted((p for p in found if allowed(drive, unknown, float(p.value))), key=lambda p: float(p.value))

@@ -1,12 +1,8 @@
 """The linear stability of one drive, and the chapter's conditions in closed form (eqs 8.18–8.33).
 
-All of it is read off one polynomial (:mod:`lsvib.stability.spectrum`): of the rigid drive det(M s² + C s + K) is Γ_0 s²
-+ (C_0 + S) s + k, with the damping S by the slope of friction. Of compliant threads, with Γ_0 and C_0 of the steady law
-and β = cos λ (cos λ + s_0 μ sin λ), the characteristic polynomial of a constant friction coefficient has the
-coefficients
-
-    p_4 = I m,   p_3 = I c_x + m c + β c_c Γ_0,   p_2 = c c_x + m k + β (k_c Γ_0 + c_c C_0),
-    p_1 = c_x k + β (k_c C_0 + c_c k),   p_0 = β k_c k.
+All of it is read off one polynomial (:mod:`lsvib.stability.spectrum`), with coefficients p_n of the powers of s: of the
+rigid drive det(M s² + C s + K) is Γ_0 s² + (C_0 + S) s + k, with the damping S by the slope of friction; that of
+compliant threads, with β = cos λ (cos λ + s_0 μ sin λ), stands in docs/lemmas.md.
 """
 
 import math
@@ -165,22 +161,18 @@ def _of_parts(drive: Drive, law: int, polynomial: Polynomial, values: list[compl
         "critical_friction": _quantity(critical["friction_coefficient"], "1"),
     }
     if drive.parts == ("threads",):
-        conditions["contact_flutter"], more = _of_threads(drive, values)
-        quantities |= more
+        # whether this very contact lacks damping (Sect. 5.5), and what Lemma 8.1 says of it
+        with many_digits():
+            rigid = parts.stiff()
+            damping = rigid.polynomial()[1] / rigid.excess
+        damped = stable_set(drive, "contact_damping")
+        least = damped.intervals[0][0] if damped and damped.intervals else None
+        missing = None if least is None else least - fmpq(*drive.contact_damping.as_integer_ratio())
+        conditions["contact_flutter"] = _condition(missing_contact_damping=missing, growth_rate=_growth(values))
+        quantities |= {
+            "effective_damping": _quantity(damping, "N m s rad-1"),
+            "unstable_contact_stiffness": _quantity(unstable_contact_stiffness(drive), "N m-1"),
+            "least_contact_damping": _quantity(least, "N s m-1"),
+            "least_damping_of_stiff_contact": _quantity(least_damping_of_stiff_contact(drive), "N s m-1"),
+        }
     return {"conditions": conditions, "quantities": quantities}
-
-
-def _of_threads(drive: Drive, values: list[complex]) -> tuple[Condition, dict[str, Quantity]]:
-    """Of compliant threads (Sect. 5.5): whether this very contact lacks damping; what Lemma 8.1 says of it."""
-    with many_digits():
-        rigid = parts_of(drive.exact(), steady_law(drive)).stiff()
-        damping = rigid.polynomial()[1] / rigid.excess
-    damped = stable_set(drive, "contact_damping")
-    least = damped.intervals[0][0] if damped and damped.intervals else None
-    missing = None if least is None else least - fmpq(*drive.contact_damping.as_integer_ratio())
-    return _condition(missing_contact_damping=missing, growth_rate=_growth(values)), {
-        "effective_damping": _quantity(damping, "N m s rad-1"),
-        "unstable_contact_stiffness": _quantity(unstable_contact_stiffness(drive), "N m-1"),
-        "least_contact_damping": _quantity(least, "N s m-1"),
-        "least_damping_of_stiff_contact": _quantity(least_damping_of_stiff_contact(drive), "N s m-1"),
-    }

@@ -4,9 +4,7 @@ docs/charts.md lists their equations and what they divide; :mod:`lsvib.stability
 divides. Where the contact of compliant threads carries no force, the law is that of the slightest force against the
 motion; a plane without any force has no such curve.
 
-A curve is traced through a grid of nodes (contourpy); on every side of a cell that it crosses the root is bracketed to
-rounding, with the exact condition. What lies between the points is interpolated; a curve that enters and leaves a cell
-through one side is missed.
+Curves are traced by contourpy; on every side of a cell that one crosses the root is bracketed with the exact condition.
 """
 
 import math
@@ -116,7 +114,6 @@ def _function(drive: Drive, kind: ChartBoundary, names: tuple[str, str]) -> Plan
 
     @lru_cache(maxsize=4096)  # without R a threshold is the same along it
     def force(changed: Drive) -> float:
-        """Return the axial force [N] of the threshold; nan where the drive has none."""
         for name in (kind.name.lower(), instead):
             with suppress(NoThreshold):
                 return threshold_force(changed, name) if name else math.nan
@@ -140,7 +137,6 @@ def _function(drive: Drive, kind: ChartBoundary, names: tuple[str, str]) -> Plan
 
 @once
 def _at(drive: Drive, *place: tuple[str, float]) -> Drive:
-    """Return the drive at a place of the plane."""
     return drive.replace(**{name: zero_if_close(name, value) for name, value in place})
 
 

@@ -149,7 +149,13 @@ def global_stability_start(drive: Drive) -> Start:
             fold = Start("fold", d.onset - widest / d.inertia[-1], (time,))  # two cycles of seizures without rest meet
             found = min(found, fold, key=lambda at: at.force)
         elif d.contact[1] < 0:
-            _require_rest_in_every_cycle(d, found.force)
+            slope = -d.contact[1] / d.contact[0]
+            gap = -found.force * d.inertia[-1] / (d.stiffness * d.mass * d.lever)  # u_c − u_p of docs/basin.md
+            if not gap > min(slope * d.speed / 2, 25 * slope**3 * d.slip(-1).a0 * d.speed / 8):
+                raise NoThreshold(
+                    "the drive has support_damping * mass < translation_damping * screw_inertia, and cycles of "
+                    "seizures without rest are not excluded; such drives are not covered."
+                )
     if not found.force < d.onset:
         with_motion = " and under every smaller one with it than the onset, R = r_m tan(lead_angle) c_x Omega"
         raise NoThreshold(
@@ -219,17 +225,6 @@ def widest_return(d: SlipDrive) -> tuple[arb, arb]:
     if Return(d, low).h_rate > 0 > Return(d, high).h_rate:
         time = bracketed_root(lambda time: Return(d, time).h_rate, low, high, CLOSE)
     return Return(d, time).h, time
-
-
-def _require_rest_in_every_cycle(d: SlipDrive, force: arb) -> None:
-    """Refuse drives with q_w < 0 that may have cycles without rest (docs/basin.md); ``force`` is that of rest."""
-    slope, gap = -d.contact[1] / d.contact[0], -force * d.inertia[-1] / (d.stiffness * d.mass * d.lever)  # u_c − u_p
-    if gap > min(slope * d.speed / 2, 25 * slope**3 * d.slip(-1).a0 * d.speed / 8):
-        return
-    raise NoThreshold(
-        "the drive has support_damping * mass < translation_damping * screw_inertia, and cycles of seizures without "
-        "rest are not excluded; such drives are not covered."
-    )
 
 
 STARTS: dict[str, Callable[[Any], Start]] = {

@@ -18,8 +18,8 @@ from flint import arb, arb_mat, arb_poly, arb_series, fmpq
 
 from lsvib.drives import friction
 from lsvib.drives.complaints import bounds_of
-from lsvib.drives.drive import PART_OF, PARTS, Drive, zero_if_close
-from lsvib.errors import EngineError, InputError, NoThreshold
+from lsvib.drives.drive import PART_OF, PARTS, Drive
+from lsvib.errors import InputError, NoThreshold
 from lsvib.numbers import bisected
 from lsvib.stability.spectrum import SAME
 from lsvib.systems.exact.arithmetic import many_digits
@@ -40,10 +40,9 @@ class Singular(Exception):
 
 @dataclass(frozen=True)
 class Root:
-    """A proved solution: enclosures of the unknown parameter and its derivatives by all others, ``inner`` unknowns."""
+    """A proved solution: enclosures of the unknown parameter and its derivatives by all others."""
 
     unknown: arb
-    inner: tuple[arb, ...]
     derivatives: Mapping[str, arb]
 
 
@@ -186,7 +185,7 @@ def solved(drive: Drive, unknown: str, equations: Equations, guess: Any, inner: 
             raise Singular
         found = _quotient(jacobian, [row[n:] for row in slopes])[-1] if others else []
         of = {names[k - count]: -slope for k, slope in zip(others, found, strict=True)}
-        return Root(unknown=proved[-1], inner=tuple(proved[:-1]), derivatives=of)
+        return Root(proved[-1], of)
 
 
 def _newton(linearised: Callable[[list[arb]], tuple[list[arb], list[list[arb]]]], place: list[arb]) -> list[arb]:
@@ -207,7 +206,6 @@ def _newton(linearised: Callable[[list[arb]], tuple[list[arb], list[list[arb]]]]
 
 
 def _quotient(matrix: list[list[arb]], sides: list[list[arb]]) -> list[list[arb]]:
-    """Return matrix⁻¹ sides."""
     try:
         found: list[list[arb]] = arb_mat(matrix).solve(arb_mat(sides)).tolist()
     except ZeroDivisionError:
@@ -231,25 +229,6 @@ def outwards(ball: arb) -> tuple[float, float]:
 
 Sample = tuple[float, float | None]
 """A value of the parameter and the gap there, None where there is none."""
-Gap = Callable[[Drive], float]
-"""A function that vanishes at a threshold; raises ``InputError`` or ``EngineError`` for a drive that has none."""
-
-
-def sign_changes(drive: Drive, unknown: str, gap: Gap, places: Sequence[float]) -> Iterator[float]:
-    """Yield the values of a parameter, in ascending order, at which the sign of a gap changes, each to 1e-11 of it.
-
-    It is sampled at ``places``, ascending, see :func:`crossings`.
-    """
-
-    def at(value: float) -> float | None:
-        """Return the gap at a value of the parameter; None where there is none."""
-        with suppress(InputError, EngineError):
-            found = gap(drive.replace(**{unknown: zero_if_close(unknown, value)}))
-            return found if math.isfinite(found) else None
-        return None
-
-    for value in crossings(at, places, 1e-11):
-        yield zero_if_close(unknown, value)
 
 
 def crossings(at: Callable[[float], float | None], places: Sequence[float], tolerance: float) -> Iterator[float]:
@@ -261,7 +240,6 @@ def crossings(at: Callable[[float], float | None], places: Sequence[float], tole
     """
 
     def defined(value: float) -> float:
-        """Return the gap; raises ``NoThreshold`` where there is none."""
         if (found := at(value)) is None:
             raise NoThreshold
         return found

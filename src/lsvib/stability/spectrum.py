@@ -225,7 +225,6 @@ def hurwitz(p: tuple[Any, ...], order: int = 3, same: bool = False) -> Any:
 
     @cache
     def minor(column: int, rows: tuple[int, ...]) -> Any:
-        """The determinant of some rows, from a column on."""
         if not rows:
             return 1
         total: Any = 0
@@ -293,16 +292,10 @@ def _class(p: Polynomial) -> str:
     return "neutral" if min(coefficients) > 0 == last else "unstable"
 
 
-def _complex_roots(p: fmpq_poly) -> list[tuple[acb, int]]:
-    """All roots of a polynomial to the precision of the context, each once, with how often it is one."""
-    found: Any = p.complex_roots()
-    return [(root, int(count)) for root, count in found]
-
-
-def positive_roots(p: fmpq_poly, limit: fmpq) -> list[fmpq]:
+def positive_roots(p: Any, limit: fmpq) -> list[fmpq]:
     """Distinct roots in (0, limit] of a polynomial that is not zero, in ascending order, each to a relative 2⁻⁹⁰."""
     with ctx.workprec(100):
-        roots = [root.real.mid().fmpq() for root, _ in _complex_roots(p) if root.imag == 0]
+        roots = [root.real.mid().fmpq() for root, _ in p.complex_roots() if root.imag == 0]
     return sorted(root for root in roots if 0 < root <= limit)
 
 
@@ -310,21 +303,17 @@ def _all_roots(p: Polynomial) -> list[acb]:
     """All roots, those that coincide as often as they do, each part to a relative 2⁻⁹⁰, or exactly zero."""
     both = fmpq_poly(list(reversed(p)))
     # Imaginary ones are those that the parts of even and of odd powers share, in s²; FLINT isolates the real ones.
-    shared = fmpq_poly(both.coeffs()[::2]).gcd(fmpq_poly(both.coeffs()[1::2]))
-    rest, _ = divmod(both, fmpq_poly([c for x in shared.coeffs() for c in (x, 0)]))
+    shared: Any = fmpq_poly(both.coeffs()[::2]).gcd(fmpq_poly(both.coeffs()[1::2]))
+    rest: Any = both // fmpq_poly([c for x in shared.coeffs() for c in (x, 0)])
     bits = 100
     while True:
         with ctx.workprec(bits):
-            found = [*_signed_roots(shared), *(root for root, n in _complex_roots(rest) for _ in range(n))]
+            found = [root for root, n in rest.complex_roots() for _ in range(n)]
+            for square, n in shared.complex_roots():  # a part that vanishes is exactly zero
+                root = square.sqrt()
+                if square.imag == 0:
+                    root = acb(0, (-square.real).sqrt()) if square.real < 0 else acb(square.real.sqrt())
+                found += [root, -root] * n
         if all(part == 0 or part.rel_accuracy_bits() >= 90 for root in found for part in (root.real, root.imag)):
             return found
         bits *= 2
-
-
-def _signed_roots(squares: fmpq_poly) -> Iterator[acb]:
-    """Yield both square roots of each root of a polynomial; a part that vanishes is exactly zero."""
-    for square, count in _complex_roots(squares):
-        root = square.sqrt()
-        if square.imag == 0:
-            root = acb(0, (-square.real).sqrt()) if square.real < 0 else acb(square.real.sqrt())
-        yield from [root, -root] * count

@@ -1,11 +1,9 @@
 """Whether a drive runs evenly once it is switched on, and at which value of a parameter that changes.
 
-The screw stands with the coupling relaxed, and the motor begins to turn. What that motion ends in, the one rule of all
-labels says (:mod:`lsvib.systems.attractor`); where it changes along a parameter is closed in on by halves. With rigid
-threads and constant friction the release does not depend on how long rest was, so while the contact force keeps its
-sign and Γ > 0 the drive jerks for ever exactly if the first slip comes back to θ′ = 0. Slip that only touches it,
-followed backwards in time, is the response of the oscillator with the damping −C: from w′ = 0 it comes back to its w
-when C(τ) = 1. So at the smallest even speed
+What the motion ends in that begins at rest (docs/thresholds.md), the one rule of all labels says
+(:mod:`lsvib.systems.attractor`); where it changes along a parameter is closed in on by halves. Slip that only touches
+θ′ = 0, followed backwards in time, is the response of the oscillator with the damping −C: from w′ = 0 it comes back to
+its w when C(τ) = 1. So at the smallest even speed of a rigid drive
 
     T_r − T = −k S(τ) |Ω|,    C(τ) = 1,
 

@@ -17,7 +17,7 @@ from flint import arb
 
 from lsvib.drives import friction
 from lsvib.drives.complaints import allowed_range, meant
-from lsvib.drives.drive import DRY, Drive, described, require_direction
+from lsvib.drives.drive import DRY, Drive, described, require_direction, zero_if_close
 from lsvib.drives.model import model_of
 from lsvib.drives.thresholds import TABLE
 from lsvib.errors import EngineError, InputError, NoThreshold
@@ -27,7 +27,7 @@ from lsvib.stability import boundaries
 from lsvib.stability.boundaries import FRICTIONLESS, Place, StableSet, place_values, places, searched, stable_set
 from lsvib.stability.force_thresholds import STARTS
 from lsvib.stability.motion_equations import Start, equations
-from lsvib.stability.solve import DECADES, Root, Singular, outwards, samples, sign_changes, solved
+from lsvib.stability.solve import DECADES, Root, Singular, crossings, outwards, samples, solved
 from lsvib.systems.exact.arithmetic import many_digits
 
 Solver = Callable[[Drive, str], Threshold]
@@ -90,14 +90,6 @@ def _solve(drive: Drive, name: str, unknown: str, even: Solver | None) -> Thresh
         return _by_roots(drive, name, unknown)
     if unknown in DRY:
         raise NoThreshold(f"the threshold {name} has a closed form without friction of slide, bearing and collar only.")
-    _require_one_friction(drive, name, unknown)
-    if unknown == "axial_force":
-        return _by_force(drive, name)
-    return _by_search(drive, name, unknown)
-
-
-def _require_one_friction(drive: Drive, name: str, unknown: str) -> None:
-    """Refuse a threshold of motions for a friction law that its equations do not have."""
     if unknown == "static_friction_coefficient" and name == "stick":
         raise NoThreshold("the threshold stick does not depend on static_friction_coefficient.")
     wanted = friction.refusal(drive, TABLE[name].rest)
@@ -105,6 +97,9 @@ def _require_one_friction(drive: Drive, name: str, unknown: str) -> None:
         wanted = "holds for friction that is one number"
     if wanted:
         raise NoThreshold(f"the closed form of the threshold {name} {wanted}.")
+    if unknown == "axial_force":
+        return _by_force(drive, name)
+    return _by_search(drive, name, unknown)
 
 
 def _by_roots(drive: Drive, name: str, unknown: str) -> Threshold:
@@ -157,25 +152,29 @@ def _by_search(drive: Drive, name: str, unknown: str) -> Threshold:
     found = []
     # Where these vanish a threshold begins or ends.
     ends = [x for other in ("kinematic_constraint", "negative_damping") for x in place_values(drive, other, unknown)]
-    for value in sign_changes(drive, unknown, lambda near: float(_start(name, near)[0]), samples(drive, unknown, ends)):
+
+    def gap(value: float) -> float | None:
+        with suppress(InputError, EngineError):
+            left = float(_start(name, drive.replace(**{unknown: zero_if_close(unknown, value)}))[0])
+            return left if math.isfinite(left) else None
+        return None
+
+    for place in crossings(gap, samples(drive, unknown, ends), 1e-11):
+        value = zero_if_close(unknown, place)
         near = drive.replace(**{unknown: value})
         with suppress(Singular, NoThreshold):  # a jump of the gap, not a root
             found.append(newton(near, unknown, _start(name, near)[1], value))
-    span = f"{DECADES} decades on both sides of the drive's own value"
+    span, why = f"{DECADES} decades on both sides of the drive's own value", ""
+    if not found:
+        try:
+            _start(name, drive)
+        except (InputError, EngineError) as error:
+            why = f"; with its own value {str(error).rstrip('.')}"
     reason = (
         f"no {unknown} within {span} is the threshold {name} at axial_force = {drive.axial_force:g}, all other "
-        f"parameters held{'' if found else _why_not(name, drive)}."
+        f"parameters held{why}."
     )
     return result(drive, name, unknown, found, f"All that a search over {span} found; this is no proof.", reason)
-
-
-def _why_not(name: str, drive: Drive) -> str:
-    """Why the drive itself has no such threshold, as the end of a sentence; nothing if it has one."""
-    try:
-        _start(name, drive)
-    except (InputError, EngineError) as error:
-        return f"; with its own value {str(error).rstrip('.')}"
-    return ""
 
 
 def _start(name: str, drive: Any) -> tuple[Any, Start]:
@@ -195,7 +194,6 @@ def _solution(drive: Drive, unknown: str, root: Root, words: str) -> ThresholdSo
     unit = described(unknown)["unit"]
 
     def derivative(name: str, slope: arb) -> Derivative:
-        """The derivative of the solution by a parameter, with its bounds and unit."""
         # What is not distinguished from zero is zero: a threshold may not depend on what is in its equation.
         numbers = (0.0 if slope.contains(0) else float(slope), *outwards(slope))
         value, low, high = (x if math.isfinite(x) else None for x in numbers)

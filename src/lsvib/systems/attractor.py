@@ -4,23 +4,11 @@ The way of a label: here → :mod:`lsvib.systems.kernels.attractor` (the rule) �
 :mod:`lsvib.systems.kernels.poincare_map` (section, returns, fixed points) → :mod:`lsvib.systems.kernels.saltation`
 (their derivatives), which follow motions by the engine. Maps, sweeps and charts ask nothing else.
 
-The rule, for any number of states. The motion is followed, 16 events, 64, and then twice as many again and again.
-
-1. The engine proves that no guard can fire again: the motion stays in one linear mode for ever, and ends in steady
-   sliding or rest; if nothing damps what is excited, in one of a *neutral* family; if that grows, it is unbounded.
-2. Otherwise its events recur. The *section* is that of the rarest events of the later half. If its state repeats after
-   1 to 64 returns, or in 64 events or more comes nearest after 1 to 8, Newton's method with the exact derivative P′
-   solves P(y) = y for the map P of so many returns (:mod:`lsvib.systems.section`). It ends in that fixed point if
-
-   * its multipliers, the eigenvalues of P′, lie inside the unit circle beyond the rounding of P′ – or on it, if the
-     motion repeats and nothing damps –,
-   * the motion has come nearer with every return, in the norm in which P′ contracts, and
-   * returns from all along the way to it have the same events.
-
-   It is a cycle, or steady sliding where that lies on a surface.
-3. A motion that leaves the range of numbers is unbounded, if energy can grow in the model.
-4. What the budget does not suffice for is unresolved, for a reason that is named (:class:`Doubt`): this happens to
-   chaos, to cycles of more than 8 returns that attract slowly, and where so little damps that a turn changes nothing.
+The motion is followed, 16 events, 64, and then twice as many again and again, until one of these holds, as
+docs/attraction.md says: no guard can fire again, or its events recur. Then the section is that of the rarest events of
+the later half, and Newton's method seeks a fixed point of the map of so many returns as take the state back, or, in 64
+events or more, nearest to where it was (:mod:`lsvib.systems.section`). What leaves the range of numbers is unbounded if
+energy can grow in the model, and what the budget does not suffice for unresolved, for a named reason (:class:`Doubt`).
 
 No waiting time enters, and nothing depends on other motions.
 """
@@ -37,11 +25,11 @@ from numpy.typing import ArrayLike
 from lsvib.errors import AccumulationError, DivergenceError, EngineError, UndecidedError, WorkSpentError
 from lsvib.systems.automaton import Automaton
 from lsvib.systems.kernels import attractor as rule
-from lsvib.systems.kernels import event_loop, jit
+from lsvib.systems.kernels import event_loop
 from lsvib.systems.kernels.poincare_map import LONGEST, ON_CIRCLE
 from lsvib.systems.kernels.single_mode import Outcome
-from lsvib.systems.machine import blank, lent, of_one_type
-from lsvib.systems.motion import Motion, bouncing, enter, follow, new_events
+from lsvib.systems.machine import lent
+from lsvib.systems.motion import Motion, enter, follow, new_events
 
 
 class Attractor(IntEnum):
@@ -169,7 +157,10 @@ class KnownCycles(NamedTuple):
             point[k], size[k] = orbit.after[-1], np.maximum(np.abs(orbit.after).max(axis=0), np.finfo(float).tiny)
         events = np.array([o.time.size for o in orbits], dtype=np.int64)
         table = rule.Known(kind, mode, np.array(visits, dtype=np.int64), events, point, size)
-        return cls(cycles, rule.Asked(facts_of(automaton), table, patience))
+        rests, held, jams = (automaton.marked(automaton.codes, mark) for mark in ("rest", "held", "jam"))
+        impacts = automaton.marked(np.arange(128), "impact")  # kinds of events are numbers of eight bits
+        facts = rule.Facts(rests, rests | held, jams, impacts, bool(np.all(conserves(automaton))))
+        return cls(cycles, rule.Asked(facts, table, patience))
 
 
 def steady_state(
@@ -212,14 +203,6 @@ def end_of_motion(
     return _meant(automaton, outcome, found, known), course
 
 
-def compile_rule() -> None:
-    """Compile and cache the rule for all kinds of flow, so that parallel jobs find it."""
-    automaton, state = bouncing("planar"), np.zeros(2)
-    known = KnownCycles.of((), automaton, 0)
-    tables, found = of_one_type(automaton.tables), new_found(2, 1.0)
-    jit.address(rule.end_of, blank(2), tables, known.asked, 0, state, records(2), found)
-
-
 def records(states: int) -> rule.Records:
     """Return the room for events that the rule needs: for those of the motion, and for two periods."""
     return rule.Records(new_events(rule.SIGHT, states), new_events(LONGEST, states), new_events(LONGEST, states))
@@ -228,13 +211,6 @@ def records(states: int) -> rule.Records:
 def shrinks_areas(automaton: Automaton) -> bool:
     """Whether the model vouches that every motion ends in steady sliding: areas shrink, so no orbit is closed."""
     return automaton.contracts and not conserves(automaton)
-
-
-def facts_of(automaton: Automaton) -> rule.Facts:
-    """Return what the rule needs to know of the modes and events of a model."""
-    rests, held, jams = (automaton.marked(automaton.codes, mark) for mark in ("rest", "held", "jam"))
-    impacts = automaton.marked(np.arange(128), "impact")  # kinds of events are numbers of eight bits
-    return rule.Facts(rests, rests | held, jams, impacts, bool(np.all(conserves(automaton))))
 
 
 def conserves(automaton: Automaton) -> Any:
@@ -266,18 +242,14 @@ def _meant(automaton: Automaton, outcome: int, found: rule.Found, known: KnownCy
         return SteadyState.unresolved(state, _UNRESOLVED[outcome])
     try:
         if outcome == Outcome.OSCILLATES:
-            return _oscillation(automaton, mode, state, float(found.notes[0]["frequency"]))
+            frequency = float(found.notes[0]["frequency"])  # zero for several, which have no common period
+            if not frequency:
+                return SteadyState(Attractor.NEUTRAL_FAMILY, state, multiplier=1.0)
+            orbit = follow(automaton, state, 2 * math.pi / frequency, mode=mode)
+            return SteadyState(Attractor.NEUTRAL_FAMILY, state, orbit, 1, 0.0, 1.0)
         return _cycle(automaton, found, known)
     except EngineError as error:
         return SteadyState.unresolved(state, error)
-
-
-def _oscillation(automaton: Automaton, mode: int, state: np.ndarray, frequency: float) -> SteadyState:
-    """Return one of a neutral family in one mode; several frequencies (``frequency`` zero) have no common period."""
-    if not frequency:
-        return SteadyState(Attractor.NEUTRAL_FAMILY, state, multiplier=1.0)
-    orbit = follow(automaton, state, 2 * math.pi / frequency, mode=mode)
-    return SteadyState(Attractor.NEUTRAL_FAMILY, state, orbit, 1, 0.0, 1.0)
 
 
 def _cycle(automaton: Automaton, found: rule.Found, known: KnownCycles) -> SteadyState:

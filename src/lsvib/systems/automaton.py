@@ -14,8 +14,8 @@ import numpy as np
 
 from lsvib.errors import EngineError
 from lsvib.systems.exact.arithmetic import Number, Row, double, doubles, many_digits
-from lsvib.systems.flow import Flow, flow_of
-from lsvib.systems.kernels.layout import Tables, Test
+from lsvib.systems.flow import Flow, Linear, Series
+from lsvib.systems.kernels.layout import Tables, TaylorFlow, Test
 
 # Part of a system's shortest time scale below which a stay counts as short: some hundred roundings of a time.
 SHORT_STAY = 1e-13
@@ -101,7 +101,7 @@ class Automaton:
     @cached_property
     def flow(self) -> Flow:
         """The flow, which knows more of itself than its tables say."""
-        return flow_of(self.tables.flow)
+        return (Series if isinstance(self.tables.flow, TaylorFlow) else Linear)(self.tables.flow)
 
     def observe(self, name: str, states: np.ndarray, modes: np.ndarray) -> np.ndarray:
         """Return an observable [its SI unit] at ``states`` (k, n) in ``modes`` (k); shape (k)."""

@@ -1,16 +1,11 @@
 r"""Cycles over a parameter: a chain of smooth pieces, through folds and borders, by pseudo-arclength continuation.
 
-On a *piece* all cycles have one itinerary, and the equations of :mod:`lsvib.systems.shooting` are smooth. The next
-point is sought by Newton's method in the plane across the tangent at the last one; it has to have the same itinerary,
-and to lie where the tangent points, else the step is halved. At a *fold* a multiplier passes +1: the tangent has no
-part in the parameter, whose value there is exact to rounding, as it is stationary.
-
-Where a piece ends – a graze, two events that fall together, a rest of no length, a mode that is no more – is a
-*border*, found to the last place at which its itinerary closes. Behind it a cycle of other events closes on the same
-orbit, or none does. Motions are tried from next to that orbit, on either side of the parameter; from those with
-other events Newton's method seeks a cycle, at three distances δ from the border: one that comes nearer to the orbit as
-δ falls is the next piece. It may lie on the same side, so that two cycles meet at the border, a fold without
-derivative.
+docs/cycles.md says what pieces, folds and borders are. The next point of a piece is sought by Newton's method in the
+plane across the tangent at the last one (:mod:`lsvib.systems.shooting`); it has to have the same itinerary, and to lie
+where the tangent points, else the step is halved. At a fold the tangent has no part in the parameter, whose value there
+is exact to rounding, as it is stationary. Behind a border motions are tried from next to the last orbit, on either side
+of the parameter; from those with other events Newton's method seeks a cycle, at three distances δ from the border: one
+that comes nearer to the orbit as δ falls is the next piece.
 """
 
 import math
@@ -167,12 +162,20 @@ class _Walk:
             there, step = _stepped(shooting, here, min(step, _LONGEST, 0.3 * _extent(shooting, here)))
             cycle = None if there is None else _cycle(there)
             if there is None or cycle is None:  # next to a graze, where neighbours grow, it may not close to rounding
-                last = _last(shooting, here) if there is None else here
+                last, left = here, 2 * _SMALLEST if there is None else 0.0
+                while left > _TO_ROUNDING:
+                    left *= 0.5
+                    found = _on_piece(shooting, last, left)
+                    last = last if found is None else replace(found, tangent=here.tangent)
                 there, step = self._behind(shooting, here, last), _FIRST
             elif not self._reached(shooting, here, there, cycle):
                 there = None
             if there is not None:
-                shooting, here = _centred(shooting, there)
+                here = there
+                if not shooting.centred(there):  # equations from the middle of another arc, if it has a tangent there
+                    other = Shooting(self.units, there.motion)
+                    again = other.here(there.motion.end_time, self.units.value(there.z), there.tangent)
+                    shooting, here = (shooting, there) if again is None else (other, again)
         yield self.most
 
     def _ends(self, here: Solved) -> bool:
@@ -293,16 +296,6 @@ def _stepped(shooting: Shooting, here: Solved, step: float) -> tuple[Solved | No
     return there, high - low
 
 
-def _last(shooting: Shooting, here: Solved) -> Solved:
-    """The last point of a piece that ends within a smallest step."""
-    left, last = 2 * _SMALLEST, here
-    while left > _TO_ROUNDING:
-        left *= 0.5
-        found = _on_piece(shooting, last, left)
-        last = last if found is None else replace(found, tangent=here.tangent)
-    return last
-
-
 def _on_piece(shooting: Shooting, here: Solved, step: float) -> Solved | None:
     """The point of the piece a step ahead, or at the end of the span before it; None if it is not where that leads."""
     units, ahead = shooting.units, here.tangent
@@ -331,13 +324,6 @@ def _halved(shooting: Shooting, here: Solved, there: Solved, holds: Callable[[So
                 break
         low, high, point = (low, middle, point) if found is None or not holds(found) else (middle, high, found)
     return point
-
-
-def _centred(shooting: Shooting, here: Solved) -> tuple[Shooting, Solved]:
-    """The same point by equations from the middle of an arc, where it is not near that and has a tangent there."""
-    other = shooting if shooting.centred(here) else Shooting(shooting.units, here.motion)
-    again = here if other is shooting else other.here(here.motion.end_time, shooting.units.value(here.z), here.tangent)
-    return (shooting, here) if again is None else (other, again)
 
 
 def _other(shooting: Shooting, last: Solved) -> tuple[Solved | None, Solved | None]:

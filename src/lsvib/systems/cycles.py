@@ -223,7 +223,12 @@ def search(automaton: Automaton, states: Iterable[np.ndarray], known: Cycle | No
     found.sort(key=lambda cycle: (not cycle.attracting, cycle.period))
     families = tuple(steady for _, steady in endings if steady.label == Attractor.NEUTRAL_FAMILY)[:1]
     hits = sum(cycle is not None for cycle in edges)
-    searched += "; " + (_edges(len(edges), hits) if edges else "no two ended differently, so no edge was tracked")
+    if not edges:
+        searched += "; no two ended differently, so no edge was tracked"
+    elif len(edges) == 1:
+        searched += f"; the edge between their two basins, with {'a' if hits else 'no'} cycle on it"
+    else:
+        searched += f"; {len(edges)} edges between their basins, {hits} of them with a cycle on it"
     return Search(tuple(found), families, searched, doubts)
 
 
@@ -233,12 +238,6 @@ def _on_edge(section: Section) -> Cycle | None:
     # size of a cycle, relative to the motion, that is the equilibrium
     small = cycle is not None and np.abs(cycle.state / section.size).max() < 1e-5
     return cycle if cycle is not None and cycle.repelling and not small else None
-
-
-def _edges(count: int, hits: int) -> str:
-    if count == 1:
-        return f"the edge between their two basins, with {'a' if hits else 'no'} cycle on it"
-    return f"{count} edges between their basins, {hits} of them with a cycle on it"
 
 
 def same_cycle(one: Cycle, other: Cycle) -> bool:

@@ -1,19 +1,13 @@
 """Repelling cycles of any model on the edge of a basin, found by edge tracking.
 
-Between two starts whose motions end differently lies a state on the edge of a basin. Halving brings two states, one on
-each side of the edge, together, and their motions stay together for a while: both follow the edge, on which all motions
-tend to what attracts there. Where that is a cycle with one multiplier outside the unit circle, Newton's method on the
-exact Poincaré map finds it from the events that both motions have in common. Where they part before it does, they are
-halved further, and once they are as close as doubles can be, again from a later event.
-
-This is a search, not a proof: an edge may hold several cycles, or none, because the motion jumps where it touches a
-surface.
+docs/cycles.md says how. This is a search, not a proof: an edge may hold several cycles, or none, because the motion
+jumps where it touches a surface.
 """
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from itertools import combinations
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
@@ -29,11 +23,10 @@ _PARTED = 1e-2  # distance at which two motions no longer follow the edge
 _WORK = 10_000  # of an ending, in units of one event: some hundred returns and a slow approach; and of two side by side
 
 StateEnding = tuple[np.ndarray, SteadyState]
-Cycle = TypeVar("Cycle")
-Solver = Callable[[Section], Cycle | None]  # returns the repelling cycle near the origin of a section, or None
+Solver = Callable[[Section], Any]  # returns the repelling cycle near the origin of a section, or None
 
 
-def edge_cycles(automaton: Automaton, endings: Sequence[StateEnding], solver: Solver[Cycle]) -> Iterator[Cycle | None]:
+def edge_cycles(automaton: Automaton, endings: Sequence[StateEnding], solver: Solver) -> Iterator[Any]:
     """Yield, for each two attractors that starts reach, the cycle on the edge between their basins, or None.
 
     ``endings``: starts (n) and what their motions end on; those that are unresolved take no part.
@@ -61,9 +54,7 @@ def alike(one: SteadyState, other: SteadyState) -> bool:
     return not cycles or one.same_period(other)
 
 
-def _cycle_between(
-    automaton: Automaton, low: np.ndarray, high: np.ndarray, ending: SteadyState, solver: Solver[Cycle]
-) -> Cycle | None:
+def _cycle_between(automaton: Automaton, low: np.ndarray, high: np.ndarray, ending: SteadyState, solver: Solver) -> Any:
     """The cycle on the edge between two starts (n), of which the first has this ending; None if none is found."""
 
     def on_first_side(state: np.ndarray) -> bool:
@@ -72,7 +63,13 @@ def _cycle_between(
     mode: int | None = None
     size = np.maximum(np.abs(low), np.abs(high))
     for _ in range(8):  # attempts of Newton's method: four on the first line, the others from later events
-        low, high = _closer(low, high, size, on_first_side)
+        # Two states come together by ten halvings between two attempts, or until these meet rounding.
+        end = max(1e-3 * _distance(low, high, size), _FINEST)
+        while _distance(low, high, size) > end:
+            middle = 0.5 * (low + high)
+            if (middle == low).all() or (middle == high).all():
+                break
+            low, high = (middle, high) if on_first_side(middle) else (low, middle)
         finest = _distance(low, high, size) <= _FINEST
         both = _side_by_side(automaton, low, high, mode)
         if both is None and finest:
@@ -92,20 +89,6 @@ def _cycle_between(
             low, high, mode = motion.after[later], others[later], int(motion.mode[later])
             size = np.abs(motion.after).max(axis=0)
     return None
-
-
-def _closer(
-    low: np.ndarray, high: np.ndarray, size: np.ndarray, on_first_side: Callable[[np.ndarray], bool]
-) -> tuple[np.ndarray, np.ndarray]:
-    """Halve the way between states on two sides until it is some digits shorter, or meets rounding."""
-    # factor by which two states come together between two attempts of Newton's method: ten halvings
-    end = max(1e-3 * _distance(low, high, size), _FINEST)
-    while _distance(low, high, size) > end:
-        middle = 0.5 * (low + high)
-        if (middle == low).all() or (middle == high).all():
-            break
-        low, high = (middle, high) if on_first_side(middle) else (low, middle)
-    return low, high
 
 
 def _distance(one: np.ndarray, other: np.ndarray, size: np.ndarray) -> Any:

@@ -24,10 +24,10 @@ class Linear:
 
     by_speed = False
 
-    def __init__(self, tables: Any, planar: bool = False) -> None:
-        self.tables, self.planar = tables, planar
-        self.form: ModalFlow = _as_modal(tables) if planar else tables
-        self.field, self.numbers = self.form.field, [tables] if planar else [*tables]  # the latter are all finite
+    def __init__(self, tables: Any) -> None:
+        self.tables, self.planar = tables, isinstance(tables, np.ndarray)
+        self.form: ModalFlow = _as_modal(tables) if self.planar else tables
+        self.field, self.numbers = self.form.field, [tables] if self.planar else [*tables]  # the latter are all finite
 
     def each(self, change: Callable[[np.ndarray, int], Any]) -> Any:
         """Return tables made from these, one by one, by a function of a table and its dimensions for one system."""
@@ -179,9 +179,3 @@ class Series:
 
 
 Flow = Linear | Series
-
-
-def flow_of(tables: Any) -> Flow:
-    """Return the flow whose tables these are."""
-    kind = {ModalFlow: Linear, TaylorFlow: Series}.get(type(tables))
-    return kind(tables) if kind else Linear(tables, planar=True)

@@ -1,12 +1,8 @@
 """The map of a system with two states: intervals of sections, pulled back by events.
 
-Every event takes a motion from section to section, or to rest, which has one end. Where the next events of two points
-of a section have the same guard and the same signs of all conditions, those of all points between them have, too, and
-go to places between the two (docs/attraction.md). So an interval has the label of those that it is taken to, if they
-have one; else it is halved. The first labels are those of rests, of motions that stay in their mode, and of intervals
-beside attractors, whose far ends the one rule (:mod:`lsvib.systems.attractor`) sees tend to the attractor.
-
-A motion that comes to no interval with a label for many events is asked of the one rule.
+docs/attraction.md says why the two ends of an interval decide for all points between, and where the first labels come
+from; far ends of intervals beside attractors are asked of the one rule (:mod:`lsvib.systems.attractor`), and so is a
+motion that comes to no interval with a label for many events.
 """
 
 from collections.abc import Mapping, Sequence

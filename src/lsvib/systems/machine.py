@@ -15,7 +15,6 @@ from lsvib.systems.motion import NEVER, engine_for, new_events
 
 
 def _empty(flow: type) -> Any:
-    """Return a flow of a kind without an entry."""
     return flow(*(np.zeros((0,) * own[0], *own[1:]) for own in layout.annotated(flow).values()))
 
 
@@ -30,12 +29,6 @@ def of_one_type(tables: Tables) -> Tables:
 
 _PLACES = {np.ndarray: "planar", ModalFlow: "modal", TaylorFlow: "taylor"}  # of a flow, by its type
 _KINDS = {"planar": Planar(), "modal": Modal(), "taylor": Taylor()}
-
-
-def blank(states: int) -> Machine:
-    """Return a machine that follows no motion, for its type."""
-    room = event_loop.Room(np.zeros(states), np.zeros((1, states)), np.zeros(1, dtype=bool), _NO_WORK)
-    return Machine(run=0, inner=0, derivative=0, by_speed=False, room=room)
 
 
 def machine_for(tables: Tables, engine: event_loop.Engine) -> Machine:

@@ -1,7 +1,6 @@
 """Run an automaton: the engine's kernels for Python, their statuses turned into results or clear messages."""
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -201,12 +200,12 @@ def _complaint(status: Status, time: float, state: np.ndarray, most: int | None)
     return EngineError(f"the clock left the range of numbers ({where}).")
 
 
-def compile_engine(kinds: Sequence[str] = ("planar", "modal")) -> None:
-    """Compile and cache the engine for some kinds of flow, so that parallel jobs find a filled cache.
+def compile_engine() -> None:
+    """Compile and cache the engine for linear flows, so that parallel jobs find a filled cache.
 
     The kernels of maps are compiled when they are first used.
     """
-    for kind in kinds:
+    for kind in ("planar", "modal"):
         automaton = bouncing(kind)
         motion = follow(automaton, [1.0, 0.0], 10.0)
         if motion.time.size != 2:

@@ -1,15 +1,13 @@
 """The Poincaré map of a section, its fixed points, attracting or repelling, and their multipliers with an error bound.
 
 The events of one kind that enter one mode lie on one surface, or on the intersection of several; the states there form
-an affine section. The map P takes a place y (d) on it to that of the motion after some returns; it is followed from
-event to event in closed form, and its derivative P′ is the exact product of flows and saltation matrices of
-:mod:`lsvib.systems.kernels.saltation`. Newton's step  y ← y + (I − P′)⁻¹ (P(y) − y)  asks nothing of the stability.
+an affine section. The map P takes a place y (d) on it to that of the motion after some returns. docs/cycles.md says how
+it is solved, and what its n − 1 multipliers are: the eigenvalues of P′, zero where the section has fewer dimensions.
 
-The multipliers are the n − 1 eigenvalues of P′, zero where the section has fewer dimensions than n − 1. Their error
-has three parts: the rounding of the product, carried along entry by entry and into the eigenvalues; what the
-uncertainty of the fixed point changes; and, for defective eigenvalues, the root of the former. Of stiff contacts that
-bound of the rounding is too large by ten decades, because it does not see that the fast motion has died away; there the
-rounding is measured instead, by how P′ scatters between places that differ by rounding.
+Their error has three parts: the rounding of the product, carried along entry by entry and into the eigenvalues; what
+the uncertainty of the fixed point changes; and, for defective eigenvalues, the root of the former. Of stiff contacts
+that bound of the rounding is too large by ten decades, because it does not see that the fast motion has died away;
+there the rounding is measured instead, by how P′ scatters between places that differ by rounding.
 """
 
 import math
@@ -31,16 +29,8 @@ _MOST_WORK = 100_000.0  # of Newton's method, in events: a second under a fricti
 _STEPS = (1e-6, 1e-9)  # in y, by which the change of P′ along the section is measured; the larger change counts
 
 
-@dataclass(frozen=True)
-class Derivative:
-    """Derivative ``matrix`` (n, n) of a state with respect to an earlier one; a bound (n, n) of its ``rounding``."""
-
-    matrix: np.ndarray
-    rounding: np.ndarray
-
-
-def derivative(motion: Motion) -> Derivative:
-    """Return the derivative of the state after a motion's last event with respect to its start.
+def derivative(motion: Motion) -> tuple[np.ndarray, np.ndarray]:
+    """Return the derivative (n, n) of the state after a motion's last event by its start, and a bound of its rounding.
 
     nan if an event has none. The start's own mode is kept: neighbours start in it. A rounding beyond all numbers is
     infinite or nan: a surface is hardly crossed there.
@@ -50,7 +40,7 @@ def derivative(motion: Motion) -> Derivative:
     tables = motion.automaton.tables
     begin = Begin(0.0, motion.start_mode, motion.start_state)
     saltation.derivative(derivative_of(tables), of_one_type(tables), begin, motion.events(), matrix, rounding)
-    return Derivative(matrix, rounding)
+    return matrix, rounding
 
 
 def eigenvalues(matrix: np.ndarray, lost: np.ndarray) -> tuple[np.ndarray, float]:
@@ -132,12 +122,12 @@ class Section:
             status=Status.STOP_EVENT, end_time=float(own.time[-1]), end_mode=self.key[1], end_state=end,
         )  # fmt: skip
 
-    def derivative(self, orbit: Motion) -> Derivative:
+    def derivative(self, orbit: Motion) -> tuple[np.ndarray, np.ndarray]:
         """Return P′ (d, d) along a motion that returns to the section, with the bound of its rounding."""
-        total, unit = derivative(orbit), self.unit[self.free, None]
+        (matrix, rounding), unit = derivative(orbit), self.unit[self.free, None]
         with np.errstate(over="ignore", invalid="ignore"):
-            matrix = (total.matrix @ self.directions)[self.free] / unit
-            return Derivative(matrix, (total.rounding @ np.abs(self.directions))[self.free] / unit)
+            carried = rounding @ np.abs(self.directions)
+            return (matrix @ self.directions)[self.free] / unit, carried[self.free] / unit
 
 
 def solve(section: Section) -> tuple[Motion, float] | None:
@@ -160,26 +150,26 @@ def solve(section: Section) -> tuple[Motion, float] | None:
 def multipliers(section: Section, orbit: Motion, residual: float) -> tuple[np.ndarray, float]:
     """Return the n − 1 multipliers of a cycle, the largest first, and a bound of their errors [1]; nan without P′."""
     count = max(section.origin.size - 1, section.dimension)
-    found = section.derivative(orbit)
-    if not np.isfinite(found.matrix).all():
+    slopes, rounding = section.derivative(orbit)
+    if not np.isfinite(slopes).all():
         return np.full(count, math.nan, dtype=complex), math.nan
     if section.dimension == 0:
         return np.zeros(count, dtype=complex), 0.0
-    lost = found.rounding * orbit.automaton.condition
+    lost = rounding * orbit.automaton.condition
     if not _norm(lost) <= 1e-10:  # size of the rounding of P′ below which its bound is good enough
-        lost = np.fmin(lost, _scatter(section, orbit, found.matrix))
-    least = float(np.linalg.svd(np.eye(section.dimension) - found.matrix, compute_uv=False).min())
+        lost = np.fmin(lost, _scatter(section, orbit, slopes))
+    least = float(np.linalg.svd(np.eye(section.dimension) - slopes, compute_uv=False).min())
     uncertain = AT_REST + (residual + AT_REST) / max(least, flow_planar.EPS)  # of y, which is a double itself
     place = section.place(orbit.start_state)
     for direction in np.eye(section.dimension):
-        changes = np.zeros((len(_STEPS), *found.matrix.shape))
+        changes = np.zeros((len(_STEPS), *slopes.shape))
         for change, step in zip(changes, _STEPS, strict=True):
             beside = section.come_back(section.state(place + step * direction))
             if beside is not None:
-                change[:] = np.abs(section.derivative(beside).matrix - found.matrix) / step
+                change[:] = np.abs(section.derivative(beside)[0] - slopes) / step
         lost = lost + np.where(np.isfinite(changes), changes, 0.0).max(axis=0) * min(uncertain, _STEPS[0])
-    size, (values, moved) = _norm(lost), eigenvalues(found.matrix, lost)
-    error = min(moved, max(size, size ** (1 / len(found.matrix))) * len(found.matrix) + size)
+    size, (values, moved) = _norm(lost), eigenvalues(slopes, lost)
+    error = min(moved, max(size, size ** (1 / len(slopes))) * len(slopes) + size)
     padded = np.concatenate([values, np.zeros(count - len(values))])
     return padded[np.argsort(-np.abs(padded), kind="stable")], error
 
@@ -199,7 +189,7 @@ def _scatter(section: Section, orbit: Motion, slopes: np.ndarray) -> np.ndarray:
         beside = section.come_back(section.state(place + k * 1e-12))
         if beside is None:
             return np.full_like(slopes, math.nan)
-        found.append(section.derivative(beside).matrix)
+        found.append(section.derivative(beside)[0])
     noise = np.abs(np.diff(found, 2, axis=0)).max(axis=0)
     tables = flow_planar.EPS * orbit.automaton.condition * orbit.time.size * float(np.abs(slopes).max())
     return np.asarray(30.0 * (noise + tables))  # rounding may exceed a few samples of it so many times

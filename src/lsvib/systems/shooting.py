@@ -7,7 +7,7 @@ The unknowns are the state x (n) there, the period T and the parameter p, with t
 x₀ a place on the arc and f₀ the direction of the motion there. No surface and no event enters, so that these equations
 are the same on both sides of a change of events. They are smooth where the motion has the same events in the same order
 (its *itinerary*). All unknowns are counted in sizes of the motion; p is counted by q, p = p₀ sinh q with its size p₀ at
-the start, so that steps are in relation far from zero, and a branch does not depend on the range that is asked for.
+the start (docs/cycles.md).
 """
 
 import math
@@ -248,7 +248,7 @@ def variations(motion: Motion, beside: Automaton, step: float) -> np.ndarray:
         rate, happens = rate_of(automaton, mode, end), k < motion.time.size and motion.kind[k] != GRAZE_KIND
         (middle,), _ = _arc(automaton, mode, start, math.inf).at([0.5 * duration])
         steep = happens and np.abs(rate).max() > _STEEP * np.abs(rate_of(automaton, mode, middle)).max()
-        flow = derivative(_arc(automaton, mode, start, duration)).matrix
+        flow = derivative(_arc(automaton, mode, start, duration))[0]
         total = flow @ total
         if steep:  # the motion jams: rates are as the flow carries them, arcs go up to their events
             rate = flow @ rate_of(automaton, mode, start)

@@ -37,11 +37,6 @@ def many_digits() -> Iterator[None]:
         yield
 
 
-def ball(number: Number) -> arb:
-    """Return a number as a ball; floats and integers are taken exactly."""
-    return number if isinstance(number, arb) else arb(number)
-
-
 def alike(*numbers: Number) -> tuple[Number, ...]:
     """Return numbers of one formula as arrays or floats if one of them is an array, as balls or series else."""
     if any(isinstance(number, np.ndarray) for number in numbers):
@@ -119,7 +114,7 @@ def added(*terms: Number, least: float = 1e13) -> Number:
     if not several:
         return total
     if total.__class__ is arb and not (total > 0 or total < 0):
-        if not total.is_exact() and total.rad() > 1e-40 * max(abs(ball(x)).mid() for x in terms):
+        if not total.is_exact() and total.rad() > 1e-40 * max(abs(arb(x)).mid() for x in terms):
             sign(total)  # too few digits are left to show that it is zero
         return 0
     if isinstance(total, np.ndarray):

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from flint import acb, arb, arb_mat, arb_poly, fmpq_poly
 
-from lsvib.systems.exact.arithmetic import Row, ball
+from lsvib.systems.exact.arithmetic import Row
 
 WORST_CONDITION = 1e6  # rounding grows by so much at most: 1e-9 of the sizes of the coordinates
 # Relative sizes that only the rounding of coefficients of 50 digits can have: of a rate, and of the distance of two
@@ -48,7 +48,7 @@ class Field:
     def push(self) -> list[arb]:
         """Return b of the coordinates that may change, with the share of those that do not."""
         own = ((self.rows[i][-1], self.rows[i]) for i in self.alive)
-        return [ball(last) + sum((ball(row[j]) * ball(x) for j, x in self.kept.items()), arb(0)) for last, row in own]
+        return [arb(last) + sum((arb(row[j]) * arb(x) for j, x in self.kept.items()), arb(0)) for last, row in own]
 
     def scale(self) -> list[float]:
         """Return the sizes of the coordinates that may change."""
@@ -79,28 +79,16 @@ class Subspace(NamedTuple):
         return round(sum(float(self.projector[i, i]) for i in range(self.projector.nrows())))
 
 
-def rates_of(matrix: arb_mat) -> list[acb]:
-    """Return the rates of a matrix, those that coincide as often as they do, without their radii.
-
-    They are those of the midpoint of its characteristic polynomial, whose roots FLINT isolates exactly; a coefficient
-    that holds zero is zero, so that several rates of zero stay together.
-    """
-    exact: Any = fmpq_poly([0 if x.contains(0) else x.mid().fmpq() for x in matrix.charpoly().coeffs()])
-    return [acb(root.real.mid(), root.imag.mid()) for root, count in exact.complex_roots() for _ in range(int(count))]
-
-
-def identity(n: int) -> arb_mat:
-    """Return the identity matrix."""
-    return arb_mat([[int(i == j) for j in range(n)] for i in range(n)])
-
-
 def subspaces(matrix: arb_mat, scale: list[float]) -> list[Subspace]:
     """Return the factors of the characteristic polynomial with the projectors on their subspaces.
 
     Arguments: matrix (n, n), sizes of the coordinates (n). Raises ``ArithmeticError`` if rates coincide with a chain
     that no factor of degree two holds.
     """
-    rates = rates_of(matrix)
+    # Those of the midpoint of its characteristic polynomial, whose roots FLINT isolates exactly, without their radii; a
+    # coefficient that holds zero is zero, so that several rates of zero stay together.
+    exact: Any = fmpq_poly([0 if x.contains(0) else x.mid().fmpq() for x in matrix.charpoly().coeffs()])
+    rates = [acb(root.real.mid(), root.imag.mid()) for root, count in exact.complex_roots() for _ in range(count)]
     factors = _factors(rates)
     found = [_projector(matrix, factors, k) for k in range(len(factors))]
     if not _carried(matrix, factors, found, scale):
@@ -130,7 +118,7 @@ def _factors(rates: list[acb]) -> list[list[arb]]:
 
 def _projector(matrix: arb_mat, factors: list[list[arb]], k: int) -> arb_mat:
     """Return the projector on the subspace of a factor: the product of the others times its inverse modulo this one."""
-    own, others, rest = arb_poly(factors[k][::-1]), identity(matrix.nrows()), arb_poly([1])
+    own, others, rest = arb_poly(factors[k][::-1]), arb_mat(matrix.nrows(), matrix.nrows(), 1), arb_poly([1])
     for j, other in enumerate(factors):
         if j != k:
             others = others * _polynomial(other, matrix)
@@ -146,7 +134,7 @@ def _projector(matrix: arb_mat, factors: list[list[arb]], k: int) -> arb_mat:
 def _polynomial(coefficients: Row, matrix: arb_mat) -> arb_mat:
     found = arb_mat(matrix.nrows(), matrix.nrows())
     for coefficient in coefficients:
-        found = found * matrix + identity(matrix.nrows()) * arb(coefficient)
+        found = found * matrix + arb_mat(matrix.nrows(), matrix.nrows(), 1) * arb(coefficient)
     return found
 
 
@@ -161,7 +149,7 @@ def _carried(matrix: arb_mat, factors: list[list[arb]], projectors: list[arb_mat
 
     Of two equal pairs without a chain, which rounding sets apart, each has half of the identity.
     """
-    one = identity(matrix.nrows())
+    one = arb_mat(matrix.nrows(), matrix.nrows(), 1)
     sizes = [_size_of(projector, scale) for projector in projectors]
     if not _size_of(sum(projectors, -one), scale) <= _LEFT * max(sizes):
         return False

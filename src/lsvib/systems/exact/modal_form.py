@@ -21,7 +21,7 @@ import numpy as np
 from flint import arb, arb_mat
 
 from lsvib.errors import EngineError
-from lsvib.systems.exact.arithmetic import Number, Row, added, alike, ball, doubles, many_digits, real_rates, root, sign
+from lsvib.systems.exact.arithmetic import Number, Row, added, alike, doubles, many_digits, real_rates, root, sign
 from lsvib.systems.exact.field import WORST_CONDITION, Field, Subspace, amplification, subspaces
 from lsvib.systems.exact.modal_arrays import ModalModes, modal_modes
 from lsvib.systems.kernels import layout
@@ -124,7 +124,7 @@ def modal_mode(field: Field) -> ModalMode:
     """
     with many_digits():
         push, pairs, singles, alive = field.push(), [], [], field.alive
-        rows = tuple(tuple(ball(field.rows[i][j]).mid().man_exp() for j in alive) for i in alive)
+        rows = tuple(tuple(arb(field.rows[i][j]).mid().man_exp() for j in alive) for i in alive)
         for space, frame in _spaces(rows, tuple(field.scale())):
             if frame is not None:
                 pairs.append(_pair(push, space.factor, frame))
@@ -192,7 +192,6 @@ def _minor(projector: arb_mat, chosen: Sequence[int], scale: Sequence[float]) ->
 
 
 def _frame(matrix: arb_mat, space: Subspace, scale: Sequence[float]) -> _Frame:
-    """Return the frame of the oscillator of a factor of degree two."""
     n = len(scale)
     weights = arb_mat([[arb(scale[i]) ** 2 * int(i == j) for j in range(n)] for i in range(n)])
     row = _row_of_pair(matrix, space, scale)
@@ -202,7 +201,6 @@ def _frame(matrix: arb_mat, space: Subspace, scale: Sequence[float]) -> _Frame:
 
 
 def _pair(push: list[arb], factor: list[arb], frame: _Frame) -> _Piece:
-    """Return the oscillator of a frame under a constant push."""
     _, a1, a0 = factor
     row, turned, vectors = frame.row.entries(), frame.turned.entries(), frame.vectors
     own = _dot(row, push)
@@ -230,7 +228,6 @@ def _row_of_pair(matrix: arb_mat, space: Subspace, scale: Sequence[float]) -> ar
 
 
 def _dot(left: Sequence[arb], right: Sequence[arb]) -> arb:
-    """Return the sum of the products of two rows."""
     return sum((x * y for x, y in zip(left, right, strict=True)), arb(0))
 
 
@@ -242,7 +239,7 @@ def _tables(field: Field, pairs: list[_Piece], singles: list[_Piece]) -> ModalMo
     n, count, alive = len(field.rows), 2 * len(pairs) + len(singles), field.alive
     to_modal, exact = np.zeros((count, n + 1)), [[arb(0)] * (count + 1) for _ in range(n)]
     for i, value in field.kept.items():
-        exact[i][count] = ball(value)
+        exact[i][count] = arb(value)
     first = 0
     for piece in [*pairs, *singles]:
         for k, row in enumerate(piece.into):
@@ -292,7 +289,7 @@ def guard_forms(modes: Sequence[ModalMode], rows: Sequence[Sequence[Row]]) -> li
         for mode, guards in zip(modes, rows, strict=True):
             count = len(mode.to_modal)
             for guard in guards:
-                *exact, constant = map(ball, guard)
+                *exact, constant = map(arb, guard)
                 plain, form = _floats(exact), [0.0] * width
                 for j in range(count + 1):
                     own = constant if j == count else 0
