@@ -105,7 +105,7 @@ class System:
 
     def __setattr__(self, name: str, value: Any) -> None:
         if "_text" in vars(self):
-            raise InputError(f"a system does not change; system.replace({name}=...) makes another one.")
+            raise InputError(f"a system cannot be changed; system.replace({name}=...) makes another one.")
         super().__setattr__(name, value)
 
     def __eq__(self, other: object) -> bool:
