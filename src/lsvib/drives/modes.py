@@ -89,9 +89,7 @@ class Modes:
     def _corner(self) -> tuple[Row, ...] | None:
         """Return the reset to where rest ends if a double cannot tell its other end, or Q = 0, from there; else None.
 
-        Events accumulate there when what is left of them lies below rounding; rest then ends as soon as it begins, and
-        the release begins in the very corner: beside it, on the wrong side by a last place, the screw would stop again
-        at once, and so for ever.
+        Beside it, on the wrong side by a last place, the screw would stop again at once, and so for ever.
         """
         (end, other), gauge = (self._left((), d, 0) for d in self.both), self.gauge(self.both[0], ())
         place, speed = -end[-1] / end[0], self.m.constant(-self.m.d.input_speed)
@@ -103,9 +101,7 @@ class Modes:
     def _contracts(self) -> bool:
         """Whether the motion enlarges no area (see ``Automaton``): Γ₊ > 0, both C_s > 0 or zero, one friction for all.
 
-        Slip changes an area at the rate −C_s / Γ_s. Both laws agree on Q = 0. Where θ′ passes zero, friction reverses:
-        the acceleration forward is below that backward, so that areas are squeezed. Static friction above that of
-        sliding makes motions jump where rest begins.
+        Why, docs/attraction.md says. Static friction above that of sliding makes motions jump where rest begins.
         """
         if not self.planar or self.paradox or not (self.m.turning and self.m.same):
             return False

@@ -17,7 +17,7 @@ from flint import arb, fmpq, fmpq_poly
 from lsvib.drives import friction
 from lsvib.drives.complaints import bounds_of
 from lsvib.drives.drive import Drive, may_vanish
-from lsvib.drives.mechanics import LinearParts, Polynomial, net_force
+from lsvib.drives.mechanics import LinearParts, net_force
 from lsvib.drives.model import model_of
 from lsvib.stability import spectrum
 from lsvib.stability.solve import allowed, isolated_roots
@@ -100,10 +100,6 @@ class StableSet:
         return f"steady sliding is not {adverb} stable without {name}, but with any above zero, however small."
 
 
-def _polynomial(values: ParameterValues, law: int, t: Any) -> Polynomial:
-    return LinearParts.of(values, law, t).polynomial()
-
-
 def _damping(values: ParameterValues, t: Any, sense: int) -> Any:
     return LinearParts.of(values, 1, t).level().polynomial()[1]
 
@@ -142,7 +138,10 @@ def _margins(drive: Drive, law: int, neutral: bool, sloped: bool) -> list[RootCo
 
     def condition(which: int, text: str) -> RootCondition:
         return RootCondition(
-            text, lambda values, t, sense: next(islice(margins(_polynomial(values, law, t), neutral), which, None))
+            text,
+            lambda values, t, sense: next(
+                islice(margins(LinearParts.of(values, law, t).polynomial(), neutral), which, None)
+            ),
         )
 
     return [condition(k, text) for k, text in enumerate(words)]
@@ -262,7 +261,7 @@ class Line:
     def margins(self, x: Any, law: int) -> tuple[Any, ...]:
         """Return the numbers that are all positive where steady sliding is stable under a law."""
         values, t, _ = self.at(x)
-        return tuple(margins(_polynomial(values, law, t), self.neutral))
+        return tuple(margins(LinearParts.of(values, law, t).polynomial(), self.neutral))
 
     def stable(self, x: fmpq) -> bool:
         """Whether steady sliding is stable (asymptotically; neutrally where nothing damps)."""

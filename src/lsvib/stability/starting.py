@@ -94,15 +94,6 @@ def even_from(evenly: Callable[[float], bool | None], tried: Sequence[float], hi
     return quiet
 
 
-def tried(drive: Drive, unknown: str) -> list[tuple[float, bool]]:
-    """Return the values of a parameter that are tried, each with whether the drive runs evenly there, where known."""
-    values = samples(drive, unknown, decades=DECADES, per_decade=PER_DECADE)
-    if unknown == "input_speed":
-        values = [value for value in values if value * drive.input_speed > 0]
-    known = ((value, runs_evenly(drive.replace(**{unknown: value}))) for value in values)
-    return [(value, even) for value, even in known if even is not None]
-
-
 def changes(drive: Drive, unknown: str, known: list[tuple[float, bool]]) -> Iterator[tuple[float, float]]:
     """Yield values of a parameter between which the answer changes, to 1e-12 or as far as it is known, in order."""
     for (low, even), (high, other) in pairwise(known):
@@ -137,7 +128,11 @@ def even_speed(drive: Drive, unknown: str) -> Threshold:
 
     Where these meet the equations of the module's text the solutions are theirs, with derivatives.
     """
-    found, known = [], tried(drive, unknown)
+    values = samples(drive, unknown, decades=DECADES, per_decade=PER_DECADE)
+    if unknown == "input_speed":
+        values = [value for value in values if value * drive.input_speed > 0]
+    tried = [(value, runs_evenly(drive.replace(**{unknown: value}))) for value in values]
+    found, known = [], [(value, even) for value, even in tried if even is not None]
     for low, high in changes(drive, unknown, known):
         middle = 0.5 * (low + high)
         solution = ThresholdSolution(middle, (low, high), {}, "the motion from rest, by its own events")
@@ -150,8 +145,8 @@ def even_speed(drive: Drive, unknown: str) -> Threshold:
             solution = closed if abs(closed.value - middle) <= 1e-9 * abs(middle) else solution
         found.append(solution)
     span = f"{DECADES} decades on both sides of the drive's own value"
-    ends = {True: "ends in steady sliding at every", False: "does not end in steady sliding at any"}
-    always = ends[known[0][1]] if known else "is not known at any"
+    words = {True: "ends in steady sliding at every", False: "does not end in steady sliding at any"}
+    always = words[known[0][1]] if known else "is not known at any"
     reason = f"the motion from rest {always} {unknown} tried within {span}, all other parameters held."
     how = f"All found by motions from rest at {len(known)} values over {span}; this is no proof."
     return result(drive, "even_speed", unknown, found, how, reason)

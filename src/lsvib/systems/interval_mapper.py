@@ -103,7 +103,11 @@ class DividedSections:
         self._settle(attractors)
         while True:
             self._label()
-            middles = {section: self._middles(section) for section in self.lines}
+            middles = {}
+            for section, line in self.lines.items():
+                wide = (line.labels == UNKNOWN) & ~line.waits & line.goes_on()
+                wide &= np.diff(line.points) > _FINEST * size[section.free]
+                middles[section] = 0.5 * (line.points[:-1] + line.points[1:])[wide]
             count = sum(points.size for points in middles.values())
             if not 0 < count <= _POINTS - sum(line.points.size for line in self.lines.values()):
                 break
@@ -174,13 +178,6 @@ class DividedSections:
             return end_of_motion(self.automaton, state, mode=int(section.mode), max_events=work)[0]
         except EngineError as error:
             return SteadyState.unresolved(state, error)
-
-    def _middles(self, section: Section) -> np.ndarray:
-        """Return the middles of the intervals of a section that are to be divided."""
-        line, finest = self.lines[section], _FINEST * self.size[section.free]
-        wide = (line.labels == UNKNOWN) & ~line.waits & (np.diff(line.points) > finest) & line.goes_on()
-        middles: np.ndarray = 0.5 * (line.points[:-1] + line.points[1:])[wide]
-        return middles
 
     def _label(self) -> None:
         """Label the intervals that their next event takes to one label, until nothing changes."""
@@ -357,9 +354,8 @@ def find_sections(automaton: Automaton, pieces: Pieces) -> list[Section]:
 class IntervalMapper(Mapper):
     """Maps the starts of a system with two states by :class:`DividedSections`, where its labels are looked up.
 
-    Under constant friction ``time`` [s] and ``seizures`` are those until the attractor is reached: for steady sliding
-    the entry into the largest ellipse around the equilibrium in which no guard can fire, for a cycle the first event
-    after which the motion is on it to 1e-9 of its size. Under a law they are as of systems with more states.
+    What ``time`` [s] and ``seizures`` are under constant friction, docs/attraction.md says; under a law they are as of
+    systems with more states.
     """
 
     def __init__(self, automaton: Automaton, starts: Starts) -> None:

@@ -158,7 +158,7 @@ class Shooting:
         matrix = np.empty(0) if slope is None else self.slopes(shot, slope)
         if slope is None or not np.isfinite(matrix).all():
             return None
-        tangent, k = _null_direction(matrix), -min(way.size, shot.z.size)
+        tangent, k = np.linalg.svd(matrix)[2][-1], -min(way.size, shot.z.size)
         return Solved(shot.z, shot.motion, -tangent if tangent[k:] @ way[k:] < 0 else tangent, slope)
 
     def _slope(self, shot: Shot) -> np.ndarray | None:
@@ -211,7 +211,7 @@ class Shooting:
             z, last, before = z + step, length, shot
         else:
             return None
-        tangent = _null_direction(matrix)
+        tangent = np.linalg.svd(matrix)[2][-1]
         return Solved(z, shot.motion, tangent if tangent @ row >= 0 else -tangent, slope)
 
     def here(self, period: float, value: float, way: np.ndarray) -> Solved | None:
@@ -301,8 +301,3 @@ def rate_of(automaton: Automaton, mode: int, state: np.ndarray) -> np.ndarray:
     rate, size = np.empty_like(state), np.empty_like(state)
     single_mode.field(of_one_type(automaton.tables).flow, mode, state, rate, size)
     return rate
-
-
-def _null_direction(matrix: np.ndarray) -> np.ndarray:
-    """Unit vector that a matrix (k, k + 1) takes to zero."""
-    return np.asarray(np.linalg.svd(matrix)[2][-1])
