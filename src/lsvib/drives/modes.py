@@ -14,9 +14,8 @@ solves; all else follows from the signs of speeds and forces.
   s = +1, which stops the screw, and the motion after it follows from the same equations. N changes at rest, too, where
   the load moves on.
 
-Static friction above that of slow sliding leaves several modes consistent. Then all that stands is held, and a contact
-that needs more friction than it has lets go. So it does in the limit of friction that falls ever more steeply from
-rest. Where several need more, that limit is not one mode for sure, and the one with most at rest is taken.
+Static friction above that of slow sliding leaves several modes consistent; docs/friction.md says which is taken. Where
+several contacts need more friction than they have, it is the one with most at rest.
 
 A drive without parts has two states, (u, w), its own fast flow, and Q as in docs/physics.md (8.17). With R = 0 both T_r
 and Q are zero in one place of ω = 0, the *corner*. Seizures from one side of it leave the coupling at deflections

@@ -137,12 +137,10 @@ def _margins(drive: Drive, law: int, neutral: bool, sloped: bool) -> list[RootCo
             words[0] = model.constraint
 
     def condition(which: int, text: str) -> RootCondition:
-        return RootCondition(
-            text,
-            lambda values, t, sense: next(
-                islice(margins(LinearParts.of(values, law, t).polynomial(), neutral), which, None)
-            ),
-        )
+        def number(values: ParameterValues, t: Any, sense: int) -> Any:
+            return next(islice(margins(LinearParts.of(values, law, t).polynomial(), neutral), which, None))
+
+        return RootCondition(text, number)
 
     return [condition(k, text) for k, text in enumerate(words)]
 

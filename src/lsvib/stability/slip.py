@@ -13,8 +13,7 @@ Q = 0 with the slope v and comes back for the first time after τ does so with
     v = −E (1 − C) / S,        v̂ = v S′ + E a₀ S                                  (responses C, S at τ).
 
 The cycle is a pair of times at which v̂₊ = v₋ and v̂₋ = v₊. There is exactly one if slip under law + turns and large
-motions decay, π α₊ / β₊ + π α₋ / β₋ > 0, and none otherwise: two zones, one equilibrium, which repels (Freire, Ponce,
-Rodrigo and Torres 1998).
+motions decay, π α₊ / β₊ + π α₋ / β₋ > 0, and none otherwise (docs/cycles.md).
 """
 
 from collections.abc import Iterator, Mapping, Sequence

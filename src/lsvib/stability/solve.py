@@ -227,8 +227,7 @@ def outwards(ball: arb) -> tuple[float, float]:
     return low, high
 
 
-Sample = tuple[float, float | None]
-"""A value of the parameter and the gap there, None where there is none."""
+Sample = tuple[float, float | None]  # a value of the parameter and the gap there, None where there is none
 
 
 def crossings(at: Callable[[float], float | None], places: Sequence[float], tolerance: float) -> Iterator[float]:

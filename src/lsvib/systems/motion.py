@@ -201,10 +201,7 @@ def _complaint(status: Status, time: float, state: np.ndarray, most: int | None)
 
 
 def compile_engine() -> None:
-    """Compile and cache the engine for linear flows, so that parallel jobs find a filled cache.
-
-    The kernels of maps are compiled when they are first used.
-    """
+    """Compile and cache the engine for linear flows; kernels of maps are when they are first used."""
     for kind in ("planar", "modal"):
         automaton = bouncing(kind)
         motion = follow(automaton, [1.0, 0.0], 10.0)

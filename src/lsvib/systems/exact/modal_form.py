@@ -168,7 +168,12 @@ class _Piece(NamedTuple):
 def _singles(push: list[arb], space: Subspace, scale: list[float]) -> list[_Piece]:
     """Return the exponentials of the subspace of one rate, as many as the subspace has dimensions."""
     projector, rate, n = space.projector, -space.factor[1], len(push)
-    chosen = max(combinations(range(n), space.rank), key=lambda rows: abs(_minor(projector, rows, scale)))
+
+    def minor(rows: tuple[int, ...]) -> float:
+        scaled = arb_mat([[projector[i, j] * scale[j] / scale[i] for j in rows] for i in rows])
+        return abs(float(scaled.det()))
+
+    chosen = max(combinations(range(n), space.rank), key=minor)
     block = arb_mat([[projector[i, j] for j in chosen] for i in chosen]).inv()
     singles = []
     for k, i in enumerate(chosen):
@@ -184,11 +189,6 @@ def _singles(push: list[arb], space: Subspace, scale: list[float]) -> list[_Piec
         shift, left = (arb(0), own) if without else (own / rate, arb(0))
         singles.append(_Piece(_floats([rate, left]), [[*row, shift]], [[x, -x * shift] for x in vector]))
     return singles
-
-
-def _minor(projector: arb_mat, chosen: Sequence[int], scale: Sequence[float]) -> float:
-    """Return the determinant of the chosen rows and columns of a projector, in scaled coordinates."""
-    return float(arb_mat([[projector[i, j] * scale[j] / scale[i] for j in chosen] for i in chosen]).det())
 
 
 def _frame(matrix: arb_mat, space: Subspace, scale: Sequence[float]) -> _Frame:
