@@ -1,7 +1,8 @@
 """What a scene saves by leaving out what it does not need: each scene with its own model, and with a general one.
 
 The general model of a rigid scene has everything: four states of which the two of the contact are held at zero, and
-rest. That of a drive with axial support has friction of the slide, so small (1e-18 N) that no digit feels it.
+rest. That of a drive with axial support has friction of the slide, so small (1e-18 N) that no digit feels it, and that
+of one with constant friction a law with a rise of 1e-300.
 """
 
 import time
@@ -17,10 +18,12 @@ from lsvib.drives.drive import Drive, forget
 from lsvib.systems.automaton import Automaton
 from lsvib.systems.exact.modal_form import linear_mode, modal_flow
 from lsvib.systems.kernels import layout
+from lsvib.systems.kernels.layout import ModalFlow, TaylorFlow
 from lsvib.systems.motion import Motion, follow
 
 _CONTACT_SIZES = (1e-6, 1e-3)  # of mismatch [m] and its rate [m/s]; they only scale coordinates that stay zero
 _NOTHING = 1e-18  # N
+_NO_RISE = {"stribeck_rise": 1e-300, "stribeck_speed": 0.01}
 
 
 class Ablated(NamedTuple):
@@ -49,7 +52,7 @@ def scenes(duration: float) -> dict[str, Ablated]:
     """Return the scenes by name, each to be followed for ``duration`` [s]."""
     slip = Drive.of(translation_damping=1e3, axial_force=25.0)
     stick = slip.replace(axial_force=40.0)
-    sprag = Drive.of(mass=15.0, axial_force=100.0)
+    sprag, seat = Drive.of(mass=15.0, axial_force=100.0), Drive(friction="powered_seat", axial_force=100.0)
     support = support_drive(screw_mass=1.0, support_stiffness=1e6, mass=1.0, axial_force=40.0, translation_damping=1e3)
     loaded = support.replace(slide_friction=_NOTHING)
     here = np.array([1e-3, 0.0])
@@ -60,50 +63,70 @@ def scenes(duration: float) -> dict[str, Ablated]:
             words,
             lambda: automaton_of(drive, rest=rest),
             lambda: generalised(automaton_of(drive), drive.input_speed),
-            (here, np.append(here, [0.0, 0.0])),
+            (here, four),
             duration,
         )
+
+    def other(words: str, drive: Drive, general: Drive, start: np.ndarray) -> Ablated:
+        """Return the scene of a drive beside that of another one with the same motion."""
+        return Ablated(words, lambda: automaton_of(drive), lambda: automaton_of(general), (start, start), duration)
 
     four = np.array([1e-3, 0.0, 0.0, 0.0])
     return {
         "slip_cycle": rigid("rest, seizure, contact state", slip, False),
         "stick_slip": rigid("seizure, contact state", stick, True),
-        "sprag_slip": rigid("law + slip, contact state", sprag, True),
-        "axial_support": Ablated(
-            "friction of the slide",
-            lambda: automaton_of(support),
-            lambda: automaton_of(loaded),
-            (four, four),
-            duration,
-        ),
+        "sprag_slip": rigid("slip under law +, contact state", sprag, True),
+        "axial_support": other("friction of the slide", support, loaded, four),
+        "constant_friction": other("friction law", stick, stick.replace(**_NO_RISE), here),
+        "friction_law": rigid("contact state", seat, True),
     }
 
 
 def generalised(automaton: Automaton, input_speed: float) -> Automaton:
-    """Return a rigid automaton as one of four states, of which the last two stay zero, on the modal engine."""
-    tables, rest = automaton.tables, automaton.marks["rest"]
-    modes = []
-    for row, code in zip(tables.flow, automaton.codes, strict=True):
-        acceleration = (-row[layout.A0], -row[layout.A1], 0, 0, row[layout.B])
-        held = {2: 0, 3: 0} | ({1: -input_speed} if code in rest else {})
-        field = [(0, 1, 0, 0, 0), acceleration, (0, 0, 0, 1, 0), (0, 0, 0, 0, 0)]
-        modes.append(linear_mode(field, (0.1, abs(input_speed), *_CONTACT_SIZES), held, "the drive"))
+    """Return a rigid automaton as one of four states, of which the last two stay zero; not in closed form of two."""
+    tables = automaton.tables
     resets = np.zeros((len(tables.resets), 4, 5))
     resets[:, :2] = _wider(tables.resets)
-    tables = tables._replace(
-        flow=modal_flow(modes),
-        surfaces=_wider(tables.surfaces),
-        resets=resets,
-        condition_row=_wider(tables.condition_row),
-        guard_parts=np.zeros((len(tables.guard_sign), 0)),
-    )
+    longer = _in_series if isinstance(tables.flow, TaylorFlow) else _in_closed_form
+    flow, condition = longer(automaton, input_speed)
     return replace(
         automaton,
-        tables=tables,
+        tables=tables._replace(
+            flow=flow,
+            surfaces=_wider(tables.surfaces),
+            resets=resets,
+            condition_row=_wider(tables.condition_row),
+            guard_parts=np.zeros((len(tables.guard_sign), 0)),
+        ),
         states=(*automaton.states, "thread_mismatch", "mismatch_rate"),
         observables={name: _wider(rows) for name, rows in automaton.observables.items()},
-        condition=max(mode.condition for mode in modes),
+        condition=condition,
     )
+
+
+def _in_closed_form(automaton: Automaton, input_speed: float) -> tuple[ModalFlow, float]:
+    """The flow of a planar automaton with two more states, and its largest condition."""
+    modes = []
+    for row, code in zip(automaton.tables.flow, automaton.codes, strict=True):
+        acceleration = (-row[layout.A0], -row[layout.A1], 0, 0, row[layout.B])
+        held = {2: 0, 3: 0} | ({1: -input_speed} if code in automaton.marks["rest"] else {})
+        field = [(0, 1, 0, 0, 0), acceleration, (0, 0, 0, 1, 0), (0, 0, 0, 0, 0)]
+        modes.append(linear_mode(field, (0.1, abs(input_speed), *_CONTACT_SIZES), held, "the drive"))
+    return modal_flow(modes), max(mode.condition for mode in modes)
+
+
+def _in_series(automaton: Automaton, _: float) -> tuple[TaylorFlow, float]:
+    """The flow under a friction law with two more states, and its condition."""
+    flow, two = automaton.tables.flow, ((0, 0), (0, 2))
+    longer = flow._replace(
+        field=np.pad(_wider(flow.field), ((0, 0), (0, 2), (0, 0))),
+        push=np.pad(flow.push, two),
+        contact=_wider(flow.contact),
+        speed=_wider(flow.speed),
+        settled_place=np.pad(flow.settled_place, two),
+        settled_form=np.pad(flow.settled_form, ((0, 0), (0, 2), (0, 2))),
+    )
+    return longer, automaton.condition
 
 
 def _wider(rows: np.ndarray) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""Motions in 40 digits and more by :mod:`references`, rounded to double at the end."""
+"""Motions in 40 digits, 22 under a friction law, by :mod:`references`, rounded to double at the end."""
 
 import math
 from collections.abc import Iterator
@@ -28,7 +28,13 @@ def truth(
     if drive.rigid and not (drive.stribeck_rise or drive.friction_slope):
         return _closed(drive, start, duration, digits, most, steady_from)
     laws = Series(drive, digits=digits)
-    first, (*events, last) = laws.follow(start, duration, most)
+    watched = {
+        "turn": lambda place, _: place[1, 0] - laws.p["input_speed"],
+        "steady": lambda place, _: place[laws.size + 2, 0] - steady_from,
+    }
+    first, (*found, last) = laws.follow(start, duration, most, watched if steady_from <= duration else None)
+    events = [event for event in found if event.kind not in watched]
+    late = [float(event.state[0]) for event in (*found, last) if float(event.time) >= steady_from]
     kinds = [event.kind if physics is None else told(laws, event) for event in events]
     states = [*_visited(laws, () if physics is None else _SAMPLES)]
     return Record(
@@ -36,9 +42,9 @@ def truth(
         times=np.array([float(event.time) for event in events]),
         end=last.state.astype(float),
         size=np.abs(np.array([start, last.state, *states], dtype=float)).max(axis=0),
-        complete=len(events) < most,
+        complete=last.kind == "end" and len(events) < most,
         stops=count_stops(kinds, first["slip"] == 0),
-        extremes=_extremes(laws, start, duration, steady_from),
+        extremes=(min(late, default=math.inf), max(late, default=-math.inf)),
     )
 
 
@@ -49,19 +55,6 @@ def _visited(laws: Series, parts) -> Iterator[np.ndarray]:
             whole = (end[laws.size + 2, 0] - arc.place[laws.size + 2, 0]) / (1 + arc.form.loss * arc.mu)
             places = [(arc.matrix * (whole * part)).exp() * arc.place for part in parts] or [arc.place, end]
             yield from (np.array(place.entries()[: laws.size]) - laws.steady for place in places)
-
-
-def _extremes(laws: Series, start, duration: float, steady_from: float) -> tuple[float, float]:
-    """Smallest and largest u from a time on, at its turns, at events and at both ends."""
-    if steady_from > duration:
-        return math.inf, -math.inf
-    watched = {
-        "turn": lambda place, _: place[1, 0] - laws.p["input_speed"],
-        "steady": lambda place, _: place[laws.size + 2, 0] - steady_from,
-    }
-    found = laws.follow(start, duration, 1_000_000, watched)[1]
-    angles = [float(event.state[0]) for event in found if float(event.time) >= steady_from]
-    return min(angles), max(angles)
 
 
 def told(laws: Series, event: Happening) -> str:

@@ -27,8 +27,8 @@ which every term is present and zero, with the quartiles of their ratio; (c) wha
 MODULES = {  # what drawing a figure or building its dataset imports; measured in processes of their own
     "figure": "lsvib.chapter.fig8_09, matplotlib.backends.backend_agg",
     "eigenvalues": "lsvib.chapter.fig8_08",
-    "motion": "lsvib.chapter.fig8_09, lsvib.answers.phase_plane",
-    "everything": "lsvib.chapter.fig8_09, lsvib.answers.phase_plane, matplotlib.backends.backend_agg, lsvib.cli.app",
+    "motion": "lsvib.chapter.fig8_09, lsvib.systems.motion",
+    "everything": "lsvib.chapter.fig8_09, lsvib.systems.motion, matplotlib.backends.backend_agg, lsvib.cli.app",
 }
 _IMPORT = """
 import json, sys, time
@@ -53,7 +53,7 @@ _COLOURS = (style.BLUE, style.GREY)
 class Settings(FigureSettings):
     """What a scene saves by leaving out what it does not need."""
 
-    engine: ClassVar = ("planar", "modal")
+    engine: ClassVar = ("planar", "modal", "taylor")
 
     duration: Duration
     repeats: int = Field(ge=1, le=1000, description="Repeats of each measurement.")
@@ -157,43 +157,45 @@ def _imports(settings: Mapping[str, Any]) -> dict[str, tuple]:
 
 def draw(dataset: xr.Dataset) -> Figure:
     """Draw (a) run time and (b) construction of both models, (c) imports."""
-    figure = style.new_figure(style.DOUBLE, 4.4)
-    run, built, imported = figure.subplot_mosaic("ab;cc").values()
-    _pairs(run, dataset, "run_time", "(a) following the motion", "Run time [ms]")
-    _pairs(built, dataset, "build_time", "(b) building the model", "Time [ms]")
-    figure.legend(*run.get_legend_handles_labels(), loc="outside lower center", ncols=2)
-    names = flag_names(dataset.package)
+    figure = style.new_figure(style.DOUBLE, 4.2)
+    axes = figure.subplot_mosaic("ab;cc", height_ratios=[dataset.sizes["scene"], dataset.sizes["imported_for"] + 0.5])
+    _pairs(axes["a"], dataset, "run_time", "(a) following the motion")
+    _pairs(axes["b"], dataset, "build_time", "(b) building the model")
+    names, left_out = flag_names(dataset.scene).values(), dataset.attrs["left_out"].split("; ")
+    words = [f"{name},\nwithout {other.split(': ')[1]}" for name, other in zip(names, left_out, strict=True)]
+    axes["a"].set_yticks(range(len(words)), words, fontsize=6.5)
+    axes["b"].set_yticks(range(len(words)), [""] * len(words))
+    axes["b"].legend(loc="upper right", fontsize=6.5, handletextpad=0.1)
+    packages = flag_names(dataset.package)
     loaded = [
-        ", ".join(names[int(p)] for p, yes in zip(dataset.package.values, row, strict=True) if yes) or "–"
+        ", ".join(packages[int(p)] for p, yes in zip(dataset.package.values, row, strict=True) if yes) or "none of them"
         for row in dataset.loads.values
     ]
-    words = [f"{int(n)} modules:\n{text}" for n, text in zip(dataset.imported, loaded, strict=True)]
-    _bars(imported, dataset.imported_for, dataset.import_time, words)
+    words = [f"{int(n)} modules: {text}" for n, text in zip(dataset.imported, loaded, strict=True)]
+    _bars(axes["c"], dataset.imported_for, dataset.import_time, words)
     return figure
 
 
-def _pairs(axes: Axes, dataset: xr.Dataset, name: str, title: str, label: str) -> None:
-    """Two bars for each scene, and how many times longer the general model takes, with the quartiles."""
-    values = dataset[name] * 1e3
-    names = flag_names(dataset.scene)
-    models = flag_names(dataset.model)
+def _pairs(axes: Axes, dataset: xr.Dataset, name: str, title: str) -> None:
+    """Both times of each scene, and how many times longer the general model takes, with the quartiles."""
+    values, models = dataset[name].values * 1e3, flag_names(dataset.model)
     place = np.arange(dataset.sizes["scene"])
+    axes.hlines(place, *values.T, color=style.GREY, linewidth=0.8)
     for k, colour in enumerate(_COLOURS):
-        axes.barh(place + 0.2 * (2 * k - 1), values.values[:, k], 0.36, color=colour, label=f"{models[k]} model")
+        axes.plot(values[:, k], place, "o", color=colour, label=f"{models[k]} model")
     for row, (low, middle, high) in enumerate(dataset[f"{name}_ratio"].values):
-        text = f"× {middle:.2g} ({low:.2g}–{high:.2g})"
-        axes.text(values.values[row, 1] * 1.08, row + 0.2, text, va="center", fontsize=6.5)
-    axes.set_yticks(place, list(names.values()))
-    axes.set(title=title, xlabel=label, xscale="log", ylim=(place[-1] + 0.6, -0.6))
-    axes.set_xlim(values.values.min() / 2, values.values.max() * 20)
+        axes.annotate(f"× {middle:.2g} ({low:.2g}–{high:.2g})", (values[row].max(), row), (6, 0), va="center",
+                      textcoords="offset points", fontsize=6.5)  # fmt: skip
+    axes.set(title=title, xlabel="Time [ms]", xscale="log", ylim=(place[-1] + 0.6, -0.6))
+    axes.set_xlim(values.min() / 1.3, values.max() * 3 * (values.max() / values.min()) ** 0.2)
 
 
 def _bars(axes: Axes, kinds: xr.DataArray, seconds: xr.DataArray, words: list[str]) -> None:
     place, longest = np.arange(seconds.size), float(seconds.max())
-    axes.barh(place, seconds.values, 0.5, color=style.BLUE)
+    axes.barh(place, seconds.values, 0.6, color=style.SKY)
     for row, text in enumerate(words):
-        axes.text(seconds.values[row] + 0.02 * longest, row, text, va="center", fontsize=6.5)
+        axes.text(0.02 * longest, row, text, va="center", fontsize=6.5)
     axes.set_yticks(place, list(flag_names(kinds).values()))
     axes.set(
-        title="(c) importing what it needs", xlabel="Time [s]", xlim=(0, longest * 1.9), ylim=(place[-1] + 0.6, -0.6)
+        title="(c) importing what it needs", xlabel="Time [s]", xlim=(0, longest * 1.02), ylim=(place[-1] + 0.6, -0.6)
     )

@@ -1,4 +1,4 @@
-"""Error against run time: methods on scenes, against 33 digits and more, with ratios at equal error."""
+"""Error against run time: methods on scenes, against 22 digits and more, with ratios at equal error."""
 
 import json
 import math
@@ -26,14 +26,15 @@ if TYPE_CHECKING:
 
 CAPTION = """\
 Error of the final state, relative to the size of the motion, over run time. Each line is a method at several
-tolerances, time steps or widths of the smoothed friction; a cross marks a wrong motion: a different number of events of
-some kind, or a different attractor. The reference has 33 digits or more. Last row: run time of the best method of each
-family over that of lsvib, at an error of 1e-3 (open: 1e-7). Bars span the quartiles of repeats.
+tolerances, time steps or widths of the smoothed friction, the finer the larger its marker; a cross marks a wrong
+motion: a different number of events of some kind, or a different attractor. The reference has 40 digits, 22 under a
+friction law. Last row: run time of the best method of each family over that of lsvib, at errors of 1e-3 and 1e-7 where
+it reaches them. Bars span the quartiles of repeats.
 """
 
 SCENES = (
     "stick_slip", "graze_above", "graze_below", "sprag_slip", "sprag_graze", "stiff_contact", "near_critical",
-    "long_run", "friction_law",
+    "long_run", "friction_law", "steep_law", "law_graze", "law_motor",
 )  # fmt: skip
 _NAMES = (
     "exact", "rk45", "dop853", "dop853_capped", "radau", "bdf", "lsoda", "cvode_adams", "cvode_bdf", "heyoka",
@@ -55,11 +56,11 @@ _TIMES = "run time, quartiles of the shortest of each round"
 _FIRST_RUN = "discarded run of a hundredth of the scene, with what is loaded and compiled for it"
 _RATIO = "run time of the best rival of a family over that of the engine, at an equal error, quartiles of the rounds"
 _GENERAL = ("GENERAL", "TAYLOR")
-RIVALS = {  # family of methods: marker, words
-    "GENERAL": ("s", "scipy, CVODE"),
-    "TAYLOR": ("h", "heyoka"),
-    "FIXED_STEP": (">", "RK4"),
-    "SMOOTHED": ("p", "smoothed friction"),
+RIVALS = {  # family of methods: marker, words by the methods that it may have
+    "GENERAL": ("s", {"dop853": "scipy", "cvode_bdf": "CVODE"}),
+    "TAYLOR": ("h", {"heyoka": "heyoka"}),
+    "FIXED_STEP": (">", {"rk4_refined": "RK4"}),
+    "SMOOTHED": ("p", {"smoothed": "smoothed friction"}),
 }
 _LEVELS = (1e-3, 1e-7)  # errors at which ratios are drawn
 _SOURCE = "docs/validation.md"
@@ -85,7 +86,7 @@ _LEAST = 1e-16  # errors below are drawn there
 class Settings(FigureSettings):
     """Error against run time of the engine and of other methods."""
 
-    engine: ClassVar = ("planar", "modal")
+    engine: ClassVar = ("planar", "modal", "taylor")
 
     scenes: Annotated[list[Literal[*SCENES]], *Unique] = Field(min_length=1, description="Scenes to run.")
     shorten: float = Field(gt=0, le=1, description="Part of each scene's duration that is run [1].")
@@ -139,7 +140,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
         },
         attrs={
             "title": "Error against run time of the engine and of other methods",
-            "source": "lsvib; references with 40 digits, 33 where friction depends on speed",
+            "source": "lsvib; references with 40 digits, 22 where friction depends on speed",
             "references": "doi:10.1007/978-1-4419-1752-2_8, Sects. 8.5 to 8.7",
             "timing": "processor time of one process, methods interleaved, after a discarded run; "
             "the preparation of a method (tables, compilation) is not in it",
@@ -240,10 +241,11 @@ def checks(dataset: xr.Dataset) -> list[Check]:
 def draw(dataset: xr.Dataset) -> Figure:
     """Draw the error of the final state against run time, scene by scene, then ratios."""
     count = dataset.sizes["scene"]
-    columns = math.ceil(math.sqrt(count))  # of three or four scenes two, of seven to nine three
+    columns = math.ceil(math.sqrt(count))  # of three or four scenes two, of ten to sixteen four
     rows = math.ceil(count / columns)
-    figure = style.new_figure(style.DOUBLE, 2.2 * rows + 2.9)
-    upper, lower = figure.subfigures(2, 1, height_ratios=[2.2 * rows + 0.8, 2.1])
+    high = 2.2 if columns < 4 else 1.9
+    figure = style.new_figure(style.DOUBLE, high * rows + 2.9)
+    upper, lower = figure.subfigures(2, 1, height_ratios=[high * rows + 0.8, 2.1])
     panels = upper.subplots(rows, columns, sharey=True, squeeze=False)
     names = dataset.method.attrs["flag_meanings"].split()
     titles = dataset.scene.attrs["labels"].split("; ")
@@ -257,7 +259,7 @@ def draw(dataset: xr.Dataset) -> Figure:
         axes.set_xlabel("Run time [s]")
     for axes in panels[:, 0]:
         axes.set_ylabel("Error of the final state")
-    _ratio_panel(lower.subplots(), dataset)
+    _ratio_panel(lower.subplots(), dataset, names)
     upper.legend(handles=_handles(dataset, names), loc="outside lower center", ncols=5, fontsize=6.5)
     return figure
 
@@ -267,29 +269,35 @@ def _bars(times: np.ndarray) -> np.ndarray:
     return np.abs(times[:, [0, 2]] - times[:, [1]]).T
 
 
-def _ratio_panel(axes: Axes, dataset: xr.Dataset) -> None:
+def _ratio_panel(axes: Axes, dataset: xr.Dataset, names: list[str]) -> None:
     """Draw run times over the engine's, at two errors."""
     levels, width = dataset.error_level.values, 0.12
-    for k, (marker, words) in enumerate(RIVALS.values()):
+    reached = np.zeros(dataset.sizes["scene"], dtype=bool)
+    for k, (marker, methods) in enumerate(RIVALS.values()):
+        words = ", ".join(word for name, word in methods.items() if name in names)
         for level, face in zip(_LEVELS, (style.BLACK, "white"), strict=True):
-            near = np.isclose(levels, level)
+            near, power = np.isclose(levels, level), str(round(math.log10(level))).translate(style.SUPERSCRIPTS)
             ratios = dataset.ratio.values[:, k, near].reshape(-1, 3)
-            seen = np.flatnonzero(np.isfinite(ratios[:, 0])) if near.any() else []
-            if len(seen):
-                place = seen + width * (k - 1.5) + (0.04 if face == "white" else 0)
-                axes.errorbar(place, ratios[seen, 1], _bars(ratios[seen]), fmt=marker, markersize=3.5, mfc=face,
-                              color=style.BLACK, elinewidth=0.7, label=words if face != "white" else None)  # fmt: skip
+            seen = np.flatnonzero(np.isfinite(ratios[:, 0])) if near.any() else np.empty(0, dtype=int)
+            reached[seen] = True
+            place = seen + width * (k - 1.5) + (0.04 if face == "white" else 0)
+            axes.errorbar(place, ratios[seen, 1], _bars(ratios[seen]), fmt=marker, markersize=3.5, mfc=face,
+                          color=style.BLACK, elinewidth=0.7,
+                          label=f"{words}, error 10{power}" if seen.size else None)  # fmt: skip
     axes.axhline(1.0, color=style.GREY, linestyle=":", linewidth=0.8)
-    letters = [f"({chr(97 + k)})" for k in range(dataset.sizes["scene"])]
+    letters = [f"({chr(97 + k)})" for k in range(reached.size)]
     axes.set_xticks(range(len(letters)), letters)
     axes.set_xlim(-0.6, len(letters) - 0.4)
     axes.set(yscale="log", xlabel="Scene", ylabel="Run time over that of lsvib")
     axes.margins(y=0.25)
+    for k in np.flatnonzero(~reached):
+        axes.text(k, 0.5, "none\nthat near", transform=axes.get_xaxis_transform(), fontsize=6, ha="center", va="center")
     axes.set_title(f"({chr(97 + len(letters))}) ratios at equal error", fontsize=7)
-    axes.legend(fontsize=6, ncols=5, loc="best")
+    axes.figure.legend(loc="outside lower center", fontsize=6, ncols=4)
 
 
 def _panel(axes: Axes, scene: xr.Dataset, names: list[str], right: int) -> None:
+    """Draw the methods of a scene: a line joins runs with the true motion, from one setting to the next."""
     axes.margins(x=0.1)
     axes.set(xscale="log", yscale="log", ylim=(_LEAST / 3, 30))
     axes.set_yticks([1e-15, 1e-12, 1e-9, 1e-6, 1e-3, 1.0])
@@ -302,14 +310,15 @@ def _panel(axes: Axes, scene: xr.Dataset, names: list[str], right: int) -> None:
         ran = np.isfinite(error) & np.isfinite(seconds)
         good = ran & (method.motion_verdict.values == right)
         colour, marker, dashes = _STYLES[name]
-        size = 9 if name == "exact" else 3.5
-        axes.plot(seconds[ran], error[ran], color=colour, linestyle=dashes, linewidth=0.7, alpha=0.8)
+        sizes = np.full(good.size, 60.0) if name == "exact" else 4.0 + 3.0 * np.arange(good.size)
+        axes.plot(np.where(good, seconds, np.nan), np.where(good, error, np.nan), color=colour, linestyle=dashes,
+                  linewidth=0.7, alpha=0.8)  # fmt: skip
         face = "white" if dashes == ":" else colour
-        axes.plot(seconds[good], error[good], color=colour, marker=marker, markersize=size, linestyle="", mfc=face)
+        axes.scatter(seconds[good], error[good], sizes[good], face, marker, edgecolors=colour, linewidths=0.7, zorder=3)
         axes.errorbar(
             seconds[good], error[good], xerr=_bars(quarters[good]), color=colour, linestyle="", elinewidth=0.7
         )
-        axes.plot(seconds[ran & ~good], error[ran & ~good], color=colour, marker="x", markersize=4, linestyle="")
+        axes.scatter(seconds[ran & ~good], error[ran & ~good], sizes[ran & ~good], colour, "x", linewidths=0.8)
     _gave_up(axes, scene)
 
 

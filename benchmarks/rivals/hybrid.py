@@ -7,6 +7,7 @@ Where friction depends on speed the field has one term more (:class:`Friction`).
 steady sliding in two halves that pass into each other, is no event of a rival.
 """
 
+import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -67,7 +68,12 @@ class Friction(NamedTuple):
     law: tuple[float, ...]
 
 
-def eta(sigma, law: tuple[float, ...], exp: Callable = np.exp):
+def exponential(x: float) -> float:
+    """Return e^x, not beyond all numbers where a step goes far beyond standstill, so that it is seen and refused."""
+    return math.exp(min(x, 50.0))
+
+
+def eta(sigma, law: tuple[float, ...], exp: Callable = exponential):
     """Return η = μ / (1 + B μ) at a speed, a number or an expression of the package that ``exp`` is from.
 
     ``law``: B and the numbers of μ = constant + linear σ + rise exp(−(fade σ)^exponent), which stays above zero here.

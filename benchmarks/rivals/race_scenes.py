@@ -7,6 +7,7 @@ import numpy as np
 from references.drives import threads_drive
 
 from benchmarks.judge import Record
+from benchmarks.sweeps.cases_of_laws import before_touch, sliding
 from benchmarks.truth import truth
 from lsvib.drives.automata import automaton_of
 from lsvib.drives.drive import Drive
@@ -17,6 +18,7 @@ from lsvib.stability.force_thresholds import threshold_force
 from lsvib.systems.automaton import Automaton
 
 _NEAR = 1e-6  # relative distance of the grazing scenes from their threshold
+_STEEP = 1e-3  # Stribeck speed of a steep law, in sliding speeds of steady sliding
 _GAMMA = 1e-9  # Γ₊ / I of the scene near the critical mass, reached to 7 digits: the mass is a double
 
 
@@ -50,7 +52,7 @@ class RaceScene:
     @property
     def scales(self) -> np.ndarray:
         """Typical sizes of the coordinates (n), for absolute tolerances: 0.1 rad, Ω, and what N_0 does to a contact."""
-        sizes = [0.1, abs(self.drive.input_speed)]
+        sizes = [0.1, abs(self.drive.input_speed)] * (1 + ("motor" in self.drive.parts))
         if "threads" in self.drive.parts:
             normal = abs(float(coefficients(self.drive).net_force))
             sizes += [normal / self.drive.contact_stiffness, normal / self.drive.contact_damping]
@@ -76,9 +78,13 @@ def _scenes() -> dict[str, RaceScene]:
     seated = tuple(float(x) for x in seated_state(stiff, 0.005, 0.0))
     light = Drive.of(translation_damping=1e3, axial_force=40)
     seat = Drive(friction="powered_seat", axial_force=100)
+    steep = light.replace(stribeck_rise=0.4, stribeck_speed=_STEEP * sliding(light))
+    driven = seat.replace(input_speed=10, motor_inertia=2e-5, integral_gain=2.0, speed_gain=2e-3,
+                          slide_friction=5.0, slide_static_friction=8.0)  # fmt: skip
+    u, w = before_touch(seat, 0.02)
     critical = light.replace(mass=place_values(light, "kinematic_constraint", "mass")[0] * (1 - _GAMMA))
 
-    def rigid(name: str, title: str, drive: Drive, start: tuple[float, float], duration: float = 0.5) -> RaceScene:
+    def rigid(name: str, title: str, drive: Drive, start: tuple[float, ...], duration: float = 0.5) -> RaceScene:
         return RaceScene(name, title, drive, start, duration, 2e-4)
 
     def graze(name: str, title: str, side: int) -> RaceScene:
@@ -92,8 +98,11 @@ def _scenes() -> dict[str, RaceScene]:
         rigid("sprag_graze", "seizure just reached", just, (0.06, -just.input_speed)),
         RaceScene("stiff_contact", "stiff contact, Fig. 8.10", stiff, seated, 0.05, 5e-5, stiff=True),
         rigid("near_critical", "near-critical mass", critical, (0.01, 0.0), 0.3),
-        rigid("long_run", "1000 periods", vibrates, (0.01, 0.0), 13.5),
-        rigid("friction_law", "Stribeck friction of a seat", seat, (0.1, 0.0)),
+        rigid("long_run", "500 periods", vibrates, (0.01, 0.0), 6.75),
+        rigid("friction_law", "falling friction, seat", seat, (0.1, 0.0)),
+        rigid("steep_law", "steep Stribeck rise", steep, (0.01, 0.0), 0.25),
+        rigid("law_graze", "standstill just touched", seat, (u * (1 + _NEAR), w), 0.25),
+        rigid("law_motor", "law, motor and guide", driven, (0.05, 0.0, 0.0, 0.0), 0.25),
     )
     return {scene.name: scene for scene in found}
 

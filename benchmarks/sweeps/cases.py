@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from references.drives import random_drive, rigid_values, sign, uniform
 
-from benchmarks.sweeps import cases_four_states
+from benchmarks.sweeps import cases_four_states, cases_of_laws
 from benchmarks.sweeps.families import Case, CaseFamily
 from lsvib.drives.drive import Drive
 from lsvib.drives.mechanics import coefficients
@@ -30,8 +30,8 @@ _some_drive = partial(random_drive, mass=uniform(0.5, 30.0))
 def cases(family: CaseFamily, count: int, rng: np.random.Generator) -> Iterator[Case]:
     """Yield ``count`` cases of a family."""
     for _ in range(count):
-        if family in _FOUR_STATES:
-            yield _FOUR_STATES[family](rng)
+        if family in _WHOLE:
+            yield _WHOLE[family](rng)
         else:
             yield _case(rng, family, *_RIGID[family](rng))
 
@@ -169,8 +169,12 @@ _RIGID: dict[CaseFamily, Callable[[Any], tuple]] = {
     CaseFamily.DOUBLE_RATE: _double_rate,
     CaseFamily.RANDOM: _random,
 }
-_FOUR_STATES: dict[CaseFamily, Callable[[Any], Case]] = {
+_WHOLE: dict[CaseFamily, Callable[[Any], Case]] = {
     CaseFamily.CONTACT: cases_four_states.contact,
     CaseFamily.SUPPORT: cases_four_states.support,
     CaseFamily.NUT: cases_four_states.nut,
+    CaseFamily.FRICTION_LAW: cases_of_laws.friction_law,
+    CaseFamily.VANISHING_FRICTION: cases_of_laws.vanishing_friction,
+    CaseFamily.GRAZING: cases_of_laws.grazing,
+    CaseFamily.LAW_AND_PARTS: cases_of_laws.law_and_parts,
 }

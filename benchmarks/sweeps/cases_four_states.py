@@ -24,9 +24,9 @@ _STARTS = ("anywhere", "slip", "second", "both", "contact", "steady")
 
 
 def contact(rng) -> Case:
-    """k_c and c_c from 1e3 to 1e14, with c_c / k_c up to 3 h: the engine refuses a contact that creeps more slowly."""
+    """k_c and c_c from 1e3 to 1e14, c_c / k_c up to 80 min: the engine refuses a contact that creeps more slowly."""
     stiffness = decades(rng, 3, 14)
-    damping = decades(rng, 3, min(14, math.log10(stiffness) + 4))
+    damping = decades(rng, 3, min(14, math.log10(stiffness) + 3.7))
     mass, force = rng.choice([5.0, 10.2, 11.0, 15.0]), rng.choice([100.0, 10.0, -50.0])
     drive = drives.threads_drive(mass=mass, axial_force=force, contact_stiffness=stiffness, contact_damping=damping)
     # So many radians of the contact where it vibrates, else of the drive.

@@ -22,6 +22,10 @@ class CaseFamily(IntEnum):
     RANDOM = 10  # every parameter over decades
     SUPPORT = 11  # axial support: its stiffness, damping and mass, with and without friction of slide and bearing
     NUT = 12  # rotating nut, the same
+    FRICTION_LAW = 13  # transition speed over Ω, from 1e-6 to 10, with friction at rest up to ten times the kinetic one
+    VANISHING_FRICTION = 14  # slope up to where friction is zero in steady sliding, and beyond
+    GRAZING = 15  # slip under a law that just touches θ′ = 0
+    LAW_AND_PARTS = 16  # transition speed over Ω with motor, guide, bearing, collar, support, nut, threads
 
 
 FamilyName = Literal[*(family.name.lower() for family in CaseFamily)]

@@ -1,6 +1,5 @@
 """Motions as far as they are compared: of the engine, and of the references with 40 digits."""
 
-import math
 from collections.abc import Sequence
 from contextlib import suppress
 from functools import lru_cache
@@ -13,7 +12,9 @@ from benchmarks.sweeps.families import Case
 from benchmarks.truth import by_seizure, truth
 from lsvib.drives.automata import automaton_of
 from lsvib.drives.drive import Drive
+from lsvib.drives.friction import depends_on_speed
 from lsvib.drives.model import model_of
+from lsvib.drives.names import Event
 from lsvib.systems.automaton import Automaton
 from lsvib.systems.kernels import layout
 from lsvib.systems.kernels.layout import ACCUMULATION_KIND, GRAZE_KIND
@@ -30,6 +31,11 @@ def automaton(case: Case) -> Automaton:
     return automaton_of(case.drive)
 
 
+def most_events(drive: Drive) -> int:
+    """How many events of a motion the engine is asked for, passages among them, of which a law makes many."""
+    return MOST_EVENTS * (4 if depends_on_speed(drive) else 1)
+
+
 def fields(automaton: Automaton) -> np.ndarray:
     """Return A and b of every mode of x′ = A x + b, (m, n, n + 1)."""
     flow = automaton.tables.flow
@@ -42,16 +48,17 @@ def fields(automaton: Automaton) -> np.ndarray:
 
 
 def engine_path(motion: Motion, case: Case) -> Record:
-    """Record of the engine's motion: its events by their kinds, of four states by the modes that follow."""
-    model, counted = model_of(case.drive), ~np.isin(motion.kind, (GRAZE_KIND, ACCUMULATION_KIND))
+    """Record of the engine's motion: its events by their kinds, with parts or a law by the modes that follow."""
+    model, counted = model_of(case.drive), ~np.isin(motion.kind, (GRAZE_KIND, ACCUMULATION_KIND, Event.PASSAGE))
     size = np.abs(np.vstack([motion.before, motion.after, [motion.start_state, motion.end_state]])).max(axis=0)
-    if case.drive.rigid:
+    if case.drive.rigid and not depends_on_speed(case.drive):
         kinds = [model.events(event).name.lower() for event in motion.kind[counted]]
     else:
         names = [model.modes(int(motion.automaton.codes[mode])).name.lower() for mode in motion.mode[counted]]
         seized = motion.automaton.marked(motion.kind[counted], "impact")
         kinds = [by_seizure(*pair) for pair in zip(names, seized, strict=True)]
-    return _shortened(case, kinds, motion.time[counted], motion.end_state, size, motion.time.size < MOST_EVENTS)
+    whole = motion.time.size < most_events(case.drive) and len(kinds) < MOST_EVENTS
+    return _shortened(case, kinds, motion.time[counted], motion.end_state, size, whole)
 
 
 @lru_cache(maxsize=8)  # a judge that is not content with the answer asks again
@@ -66,11 +73,12 @@ def exact_path(case: Case, drive: Drive, start: tuple[float, ...]) -> Record | N
 
 @lru_cache(maxsize=2)  # one drive is asked after the other
 def _least(drive: Drive) -> np.ndarray:
-    """Smallest size by which each coordinate of a drive with a second body is measured."""
-    steady = Bodies(drive).steady
-    speed = abs(drive.input_speed)
-    rate = speed * math.tan(drive.lead_angle) * drive.pitch_radius if drive.parts == ("support",) else speed
-    return _LEAST * np.array([abs(float(steady[0])), speed, abs(float(steady[2])), rate])
+    """Smallest size by which each coordinate of a drive with more than one body is measured."""
+    laws, speed = Bodies(drive), abs(drive.input_speed)
+    rates = [speed * (float(laws.lead) if name in "ye" else 1.0) for name in laws.q]
+    return _LEAST * np.array(
+        [x for y, rate in zip(laws.steady[::2], rates, strict=True) for x in (abs(float(y)), rate)]
+    )
 
 
 def _shortened(case: Case, kinds: Sequence[str], times: np.ndarray, end, size, complete: bool) -> Record:
@@ -78,7 +86,7 @@ def _shortened(case: Case, kinds: Sequence[str], times: np.ndarray, end, size, c
 
     A motion with a second body that is small counts as large as a part of steady sliding.
     """
-    if case.drive.parts in (("support",), ("nut",)):
+    if case.drive.parts and case.drive.parts != ("threads",):
         size = np.maximum(size, _least(case.drive))
     kept: list[int] = []
     instant = INSTANT * case.duration

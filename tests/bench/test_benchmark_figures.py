@@ -15,9 +15,9 @@ from lsvib.chapter.configuration import load
 
 SETTINGS = {
     "ablation": {"duration": 0.3, "repeats": 3, "fresh": 1},
-    "stability_sweeps": {"seed": 1, "counts": {"contact": 1, "axial_force": 6, "critical_mass": 1}, "thorough": 1},
+    "stability_sweeps": {"seed": 1, "counts": {"contact": 1, "axial_force": 6, "friction_law": 1}, "thorough": 1},
     "work_precision": {
-        "scenes": ["stick_slip", "sprag_graze"],
+        "scenes": ["stick_slip", "sprag_graze", "law_graze"],
         "shorten": 0.3,
         "methods": {"exact": [0], "rk4_refined": [1e-4, 1e-5], "dop853": [1e-3, 1e-9]},
         "repeats": 2,

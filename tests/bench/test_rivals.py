@@ -15,7 +15,7 @@ from lsvib.errors import InputError
 
 ONCE = {"repeats": 1, "seconds": 0.0, "limit": 20.0}
 SHORT = {"long_run": 0.015, "stick_slip": 0.4, "graze_above": 0.4, "graze_below": 0.4, "stiff_contact": 0.2,
-         "friction_law": 0.3}  # fmt: skip
+         "friction_law": 0.1, "steep_law": 0.2, "law_graze": 0.2, "law_motor": 0.2}  # fmt: skip
 TRUTH = Record(
     kinds=["contact_reversal", "stick", "release", "contact_reversal"],
     times=np.array([0.2, 0.5, 0.6, 0.9999]),
@@ -49,6 +49,7 @@ def test_the_engine_agrees_with_40_digits_on_every_scene(name):
         ("cvode_bdf", 1e-8, "stick_slip", 1e-4), ("cvode_bdf", 1e-7, "stiff_contact", 1e-3),
         ("dop853", 1e-12, "friction_law", 1e-9), ("radau", 1e-7, "friction_law", 1e-5),
         ("cvode_bdf", 1e-12, "friction_law", 1e-7), ("heyoka", 2.2e-16, "friction_law", 1e-12),
+        ("heyoka", 2.2e-16, "law_graze", 1e-12), ("dop853", 1e-12, "law_motor", 1e-9),
         ("heyoka", 2.2e-16, "stick_slip", 1e-11), ("heyoka", 2.2e-16, "sprag_graze", 1e-11),
         ("rk4", 1e-5, "stick_slip", 1e-4), ("rk4_refined", 1e-5, "stick_slip", 1e-8),
         ("smoothed", 0.01, "stick_slip", 1e-2),

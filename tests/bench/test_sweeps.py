@@ -49,6 +49,8 @@ FAULTS = {  # what the sweeps found in the engine, now mended
         support_damping=0.0010147581845978528, friction_coefficient=0.23593325987488772, input_speed=-72.84408272817747,
         mass=8.81251902284079, translation_damping=1592.3153617477658, axial_force=1.3357555018339318,
     ),
+    # Sliding was none to 3e-17 m/s only as slip was released, which moved friction, and so slip turned round for ever.
+    "released": case((0.0, -45.3), 0.01, stribeck_rise=0.1, stribeck_speed=1e-3, input_speed=45.3),
 }  # fmt: skip
 
 
@@ -73,8 +75,8 @@ def test_nothing_is_zero_by_a_coordinate_that_hardly_moves_it():
 def test_a_case_of_each_family(family):
     """Seeded, so that it is the same everywhere; hundreds of times this many are in the dataset."""
     rng = np.random.default_rng([1, family])
-    four = family in (CaseFamily.CONTACT, CaseFamily.SUPPORT, CaseFamily.NUT)
-    outcomes = [judge(c, rng) for c in cases(family, 1 if four else 4, rng)]
+    parts = family in (CaseFamily.CONTACT, CaseFamily.SUPPORT, CaseFamily.NUT, CaseFamily.LAW_AND_PARTS)
+    outcomes = [judge(c, rng) for c in cases(family, 1 if parts else 4, rng)]
     assert {o.verdict for o in outcomes} <= {Verdict.RIGHT, Verdict.CORNER}
 
 

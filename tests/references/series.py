@@ -77,8 +77,8 @@ class Form:
             return tuple(arb_mat([[*map(exact, row)] for row in part]) for part in (first, (second - first) / step))
 
         step = arb(2) ** -10
-        still, turning = (laws.equations(mode, mu)[1].det() for mu in (arb(0), step))
-        self.loss = exact((turning / still - 1) / step)
+        self.still, turning = (laws.equations(mode, mu)[1].det() for mu in (arb(0), step))
+        self.loss = exact((turning / self.still - 1) / step)
         self.rates = affine(laws.rates(mode, arb(0)), laws.rates(mode, step) * (1 + self.loss * step))
         first, second = (laws.margins(mode, mu) for mu in (arb(0), step))
         second = {name: row * (1 if name[2] in SPEEDS else 1 + self.loss * step) for name, row in second.items()}
@@ -101,7 +101,8 @@ class Series(Bodies):
             knots = pairwise(zip(times, [speeds[0], *speeds, speeds[-1]][: len(times)], strict=True))
             self.pieces = [(a, b, v, (w - v) / (b - a) if w != v else arb(0)) for (a, v), (b, w) in knots if b > a]
             self.varies = bool(self.p["stribeck_rise"] != 0 or self.p["friction_slope"] != 0)
-            self.loss = self.form({"slip": 1, "contact": 1}).loss  # under law + of rigid threads
+            plus, minus = (self.form({"slip": 1, "contact": side}) for side in (1, -1))  # laws of rigid threads
+            self.loss, self.turned = plus.loss, sign(plus.still / minus.still)  # −1 where a collar alone seizes
 
     def form(self, mode: dict) -> Form:
         key = tuple(sorted(mode.items()))
@@ -115,7 +116,7 @@ class Series(Bodies):
 
     def inertia(self, slip):
         """Inertia under law + of rigid threads, over that without friction; below 0 law + does not hold."""
-        return 1 + self.loss * self.mu(slip)
+        return self.turned * (1 + self.loss * self.mu(slip))
 
     def follow(self, state, duration: float, most: int, watched: dict | None = None) -> tuple[dict, list[Happening]]:
         """The first mode of a motion from a state, its events; the last is the end, or what is cut off.
@@ -345,8 +346,8 @@ class Arc:
                 step, flow = 2 * step, (flow * flow).mid()
 
     def by_series(self) -> Iterator[Sample]:
-        """Five samples a step of a power series."""
-        begin, place = arb(0), self.place
+        """Five samples a step of a power series, and first some from next to nothing on, as slip may end at once."""
+        begin, place, parts = arb(0), self.place, [0.0, *8.0 ** np.arange(-8, 0), 0.2, 0.4, 0.6, 0.8]
         for _ in range(4000):
             if abs(1 + self.form.loss * self.raw(place)) < 1e-20:
                 raise Undetermined("corner")
@@ -359,10 +360,10 @@ class Arc:
                     total = total * s + one
                 return total.mid()
 
-            for part in range(5):
-                ahead = arb(step * part / 5)
+            for part in parts:
+                ahead = arb(step * part)
                 yield begin + ahead, at(ahead), lambda ds, at=at, ahead=ahead: at(ahead + ds)
-            begin, place = begin + arb(step), at(arb(step))
+            begin, place, parts = begin + arb(step), at(arb(step)), [0.0, 0.2, 0.4, 0.6, 0.8]
         raise AssertionError("where law + of rigid threads hardly holds, they are too stiff for this")
 
     def step(self, places: list[arb_mat]) -> float:
@@ -377,9 +378,9 @@ class Arc:
         step = float(np.exp(np.nanmin(radii)))
         if p["stribeck_rise"] != 0:
             unit, power = self.laws.cos * p["stribeck_speed"] / p["pitch_radius"], float(p["stribeck_exponent"]) or 1.0
-            speeds = (doubles(self.laws.ways["slip"]) @ rows)[0, ::-1] / float(unit)
-            most = min(abs(speeds[-1]) ** power - ALIKE, NOTHING)
-            while (np.abs(np.polyval(speeds, step * np.linspace(0, 1, 9))) ** power).min() < most:
+            speeds = self.mode["slip"] * (doubles(self.laws.ways["slip"]) @ rows)[0, ::-1] / float(unit)
+            most = min(speeds[-1] ** power - ALIKE, NOTHING)
+            while (least := np.polyval(speeds, step * np.linspace(0, 1, 9)).min()) * abs(least) ** (power - 1) < most:
                 step /= 2
         return step
 
@@ -412,7 +413,7 @@ class Arc:
 
         values, (begin, _, value, seen) = [sample[2][k] for sample in last], last[-2]
         high = last[-1][0]
-        if values[-1] >= 0:
+        if values[-1] >= -floor:  # what dies away comes to the rounding of zero, and not to zero
             low, sides = values[-2], max(values[0], values[-1])
             if len(last) < 3 or not (values[0] > low <= values[-1] and 2 * low < sides and last[0][3][k]):
                 return

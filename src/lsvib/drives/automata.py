@@ -299,5 +299,5 @@ def _halves(branch: Branch, name: str, slow: str, deviation: Row) -> Iterator[Br
 
 
 def speed_row(direction: int, speed: Row, d: Any) -> tuple[Any, ...]:
-    """Return the row of the sliding speed [m/s] in a direction ±1, from that of the angular speed [rad/s]."""
-    return scaled(speed, direction * d.pitch_radius / d.cos_lead)
+    """Return the row of the sliding speed [m/s] in a direction ±1 from that of the angular speed, zero where it is."""
+    return scaled(speed, direction * double(d.pitch_radius / d.cos_lead))
