@@ -11,7 +11,7 @@ from pydantic import Field
 
 from lsvib.answers import spans
 from lsvib.answers.attributes import VARIED, named_index, parameter, variable, varied
-from lsvib.chapter.checks import Check
+from lsvib.chapter.checks import Check, Clause, each, every, near
 from lsvib.chapter.common import about
 from lsvib.chapter.settings import FigureSettings, PositiveSpan, Values
 from lsvib.drives.drive import Drive
@@ -55,6 +55,7 @@ HALF_SUMS = {10: 3.0892, 20: 3.0272, 40: 2.9133, 50: 2.9061, 100: 3.0328, 199: 3
 SAMPLING = 0.128  # s, of these files
 RECORD_TIMES, MODEL_TIMES = np.arange(16) * SAMPLING, np.linspace(0.0, 15 * SAMPLING, 600)  # that are drawn
 TOP = 0.98  # quantile of the recorded speed that stands for its largest values
+_SIGNED = (-RPM, -0.0984e-3)  # signs of the motor, rpm; per cent of 9.84 mN m
 _ROWS = {  # of each direction: further dimensions, unit and words
     "jerk_period": ((), "s", "period of the jerks in the record"),
     "jerk_period_error": ((), "s", "standard error of the period"),
@@ -72,6 +73,7 @@ _ROWS = {  # of each direction: further dimensions, unit and words
     "recorded_torque": (("record_time",), "N m", "recorded torque in the direction of turning"),
     "model_torque": (("model_time",), "N m", "torque of the model in the direction of turning, averaged"),
 }
+_FITTED = {"stribeck_rise": "stribeck_rise", "stribeck_speed": "stribeck_speed", "bearing_friction": "coulomb"}
 
 
 class Settings(FigureSettings):
@@ -90,7 +92,7 @@ def build(settings: Values) -> xr.Dataset:
     from lsvib.sheets.torque.stick_slip import breaking, explained
     from lsvib.sheets.torque.tables import read_table, steady_point
 
-    factors = (-RPM, -0.0984e-3, 1e-3)  # signs of the motor; per cent of 9.84 mN m; ms
+    factors = (*_SIGNED, 1e-3)  # ms
     tables = {file.name: read_table(file, (2, 3, 1), factors, ";") for file in TABLES}
     records: dict[str, Any] = {name: look(table) for name, table in tables.items()}
     points = [steady_point(table) for name, table in tables.items() if records[name].kind == "even"]
@@ -118,10 +120,9 @@ def build(settings: Values) -> xr.Dataset:
         | {"turn_swing": _once_a_turn(tables[EVEN_FILES[sense]]), "threads_period": period[1]}
         for sense, period in zip(jerks, threads.periods, strict=True)
     ]
-    dampings = spans.even(settings["dampings"])
-    limits = [_even_speeds(drive, sense, dampings) for sense in jerks]
     own = drive.support_damping
-    up_to = max(float(_even_speeds(drive, sense, np.array([own]))[0]) for sense in jerks)
+    dampings = np.unique([*spans.even(settings["dampings"]), own])
+    limits = [_even_speeds(drive, sense, dampings) for sense in jerks]
     variables, coordinates, more = fit_variables(fit, points)
     variables |= {
         name: variable(("direction", *dims), [row[name] for row in rows], unit, words)
@@ -133,7 +134,6 @@ def build(settings: Values) -> xr.Dataset:
         "even_speed": variable(over, limits, "rad s-1", from_it),
         "explaining_damping": variable("bound", np.array(told.damping) + viscous, "N m s rad-1", both),
         "jerking_damping": variable((), own, "N m s rad-1", "damping of the model that jerks as the screw does"),
-        "jerks_up_to": variable((), up_to, "rad s-1", "speed up to which that model jerks"),
         "input_speed": ("direction", [sense * SLOW for sense in jerks], parameter("input_speed", VARIED)),
         **{
             name: ((), value, parameter(name, f"given: published, measured or fitted, {SOURCE}"))
@@ -289,59 +289,109 @@ def _once_a_turn(table: Any) -> float:
 
 def checks(dataset: xr.Dataset) -> list[Check]:
     """Check the points against those computed apart, the law against the points, and the model against the records."""
-    half = dataset.half_sum * 1e3
+    half, torque = dataset.half_sum * 1e3, dataset.measured_torque.values
     halves = {rpm: float(half.values[np.argmin(np.abs(dataset.half_speed.values - rpm * RPM))]) for rpm in HALF_SUMS}
-    end = dataset.isel(end=0)
-    rms, worst = float(end.residual_rms) * 1e3, float(np.abs(end.residual).max()) * 1e3
-    lost = dataset.attrs["not_separable"]
-    ratio = (dataset.measured_torque.values - end.residual.values) / _by_angles(dataset)
-    (low, high), ways = dataset.explaining_damping.values, ("back", "outward")
-    swing = float(np.abs(dataset.swing[:, 1] / dataset.swing[:, 0] - 1).max())
-    period = float(np.abs(dataset.model_period / dataset.jerk_period - 1).max())
+    back, out = torque[: half.size][::-1], torque[half.size :]
+    end, residual = dataset.isel(end=0), dataset.residual
+    rms, worst = np.sqrt((residual**2).mean("point")), float(np.abs(end.residual).max()) * 1e3
+    lost, ways = dataset.attrs["not_separable"], ("back", "outward")
+    (low, high), direction = dataset.explaining_damping.values, dataset.direction
+    swing = np.abs(dataset.swing[:, 1] / dataset.swing[:, 0] - 1).max()
+    period = np.abs(dataset.model_period / dataset.jerk_period - 1).max()
     off_mean = np.abs(dataset.mean_torque[:, 1] - dataset.mean_torque[:, 0]).values * 1e3
     lowering, lifting = dataset.threads_period.values[[1, 0]]
     held, (by_torque, unsure) = float(dataset.bearing_static_friction), (
         float(dataset[f"fitted_bearing_static_friction{more}"][-1]) for more in ("", "_error")
     )  # fmt: skip
-    apart = (held - by_torque) / unsure
-    c, up_to = float(dataset.jerking_damping), float(dataset.jerks_up_to) / RPM
+    c = float(dataset.jerking_damping)
+    up_to = float(dataset.even_speed.sel(support_damping=c, method="nearest").max()) / RPM
     jerks, stiffness, turns = (dataset[name].values for name in ("jerk_period", "jerk_stiffness", "turn_swing"))
     rise, off = float(end.fitted_stribeck_rise), float(end.fitted_stribeck_rise_error)
     least = float(dataset.half_speed[int(np.argmin(half.values))]) / RPM
-    stands, balance = float(dataset.standing_speed.mean()) / RPM, float(np.abs(dataset.energy_balance).max())
+    stands = float(dataset.standing_speed.mean()) / RPM
     faster = float((dataset.recorded_top[:, 1] / dataset.recorded_top[:, 0]).min())
+    fitted, curve = (_by_angles(dataset, x) for x in (dataset.measured_speed, direction * dataset.law_speed))
+    law = {name: near(dataset[name], dataset[f"fitted_{of}"][1], 1e-12) for name, of in _FITTED.items()}
     return [
         *(Check.of("measured_drive.half_sum", halves[rpm], expected=x, rpm=rpm) for rpm, x in HALF_SUMS.items()),
-        Check.that("measured_drive.law", rms <= 0.045 and worst <= 0.12, rms=rms, worst=worst),
-        Check.of("measured_drive.angles", ratio, expected=1.0),
-        Check.that("measured_drive.separable", "coulomb" in lost and "viscous" in lost, lost=lost),
-        Check.that("measured_drive.falls", rise > 4 * off, least=least, rise=rise, off=off),
+        _tables_check(dataset),
+        Check.that("measured_drive.halves", sums=near(half / 1e3, (out - back) / 2, 1e-9),
+                   differences=near(dataset.half_difference, (out + back) / 2, 1e-9),
+                   speeds=near(dataset.half_speed, dataset.measured_speed.values[half.size :], 1e-12)),
+        Check.that("measured_drive.law", rms=each(rms[0] * 1e3, "<=", 0.045), worst=each(worst, "<=", 0.12),
+                   stated_rms=near(dataset.residual_rms, rms, 1e-9)),
+        Check.of("measured_drive.angles", (dataset.measured_torque - residual) / fitted, expected=1.0),
+        Check.that("measured_drive.curve", law=near(dataset.law_torque, curve, 1e-12),
+                   loads=near(dataset.measured_load, dataset.load_case[0], 1e-12),
+                   load=near(-dataset.axial_force, dataset.load_case[0], 1e-12)),
+        Check.that("measured_drive.separable", names=every([x in lost for x in ("coulomb", "viscous")]), lost=lost),
+        Check.that("measured_drive.falls", rise=each(rise, ">", 4 * off), least=least, off=off),
         *(Check.of("measured_drive.frequency", 1 / x, way=way) for way, x in zip(ways, jerks, strict=True)),
         *(Check.of("measured_drive.stiffness", x, way=way) for way, x in zip(ways, stiffness, strict=True)),
-        Check.that("measured_drive.damping", 0 < low < high, low=low, high=high),
-        Check.that("measured_drive.period", period < 0.01, period=period),
-        Check.that("measured_drive.swing", swing < 0.05, swing=swing),
-        Check.that("measured_drive.mean", (off_mean < 0.05).all(), off=off_mean),
-        Check.that("measured_drive.static", abs(apart) < 2, model=held * 1e3, torque=by_torque * 1e3, apart=apart),
-        Check.that("measured_drive.climb", 0.8 < stands < 1.2 < faster, stands=stands, faster=faster),
-        Check.that("measured_drive.share", lifting > 1.08 * lowering, lifting=lifting, lowering=lowering),
-        Check.that("measured_drive.even", c < low / 1.5 and up_to > 2 * EVEN / RPM, c=c, low=low, up_to=up_to),
-        Check.that("measured_drive.turn", ((turns > 0.05) & (turns < 0.15)).all(), turns=turns),
-        Check.that("measured_drive.balance", balance < 1e-10, worst=balance),
-    ]
+        Check.that("measured_drive.drive", **law, stiffest=each(dataset.coupling_stiffness, "<=", stiffness.max()),
+                   softest=each(dataset.coupling_stiffness, ">=", stiffness.min()),
+                   speed=near(dataset.input_speed, direction * SLOW, 1e-12)),
+        Check.that("measured_drive.damping", low=each(low, ">", 0), high=each(high, ">", low)),
+        Check.that("measured_drive.period", period=each(period, "<", 0.01)),
+        Check.that("measured_drive.swing", swing=each(swing, "<", 0.05)),
+        Check.that("measured_drive.mean", largest=each(off_mean, "<", 0.05), off=off_mean),
+        Check.that("measured_drive.model", **_model_clauses(dataset)),
+        Check.that("measured_drive.static", apart=each(abs(held - by_torque) / unsure, "<", 2), model=held * 1e3,
+                   torque=by_torque * 1e3),
+        Check.that("measured_drive.climb", slow=each(stands, ">", 0.8), stands=each(stands, "<", 1.2),
+                   faster=each(faster, ">", 1.2)),
+        Check.that("measured_drive.share", ratio=each(lifting / lowering, ">", 1.08), lifting=lifting,
+                   lowering=lowering),
+        Check.that("measured_drive.even", damping=each(c, "<", low / 1.5), up_to=each(up_to, ">", 2 * EVEN / RPM),
+                   dampings=every(np.isin(c, dataset.support_damping)), c=c, low=low),
+        Check.that("measured_drive.turn", least=each(turns, ">", 0.05), most=each(turns, "<", 0.15), turns=turns),
+        Check.that("measured_drive.balance", worst=each(np.abs(dataset.energy_balance), "<", 1e-10)),
+    ]  # fmt: skip
 
 
-def _by_angles(dataset: xr.Dataset) -> np.ndarray:
-    """The torque of the first end at the measured speeds, s r_m W tan(φ ± λ), φ = arctan μ, and drag [N m]."""
-    end, angle = {name: float(x[0]) for name, x in dataset.items() if x.dims == ("end",)}, PUBLISHED["lead_angle"]
-    speed = dataset.measured_speed.values
-    sliding = RADIUS * np.abs(speed) / math.cos(angle)
-    exponent = json.loads(dataset.attrs["stribeck_exponents"])[0]
-    rise = end["fitted_stribeck_rise"] * np.exp(-((sliding / end["fitted_stribeck_speed"]) ** exponent))
-    mu = end["fitted_friction_coefficient"] + rise + end["fitted_friction_slope"] * sliding
-    drag = end["fitted_coulomb"] * np.sign(speed) + end["fitted_viscous"] * speed + end["fitted_offset"]
-    tangents = np.tan(np.arctan(mu) + np.sign(LOAD * speed) * angle)
-    return np.asarray(drag + np.sign(speed) * RADIUS * abs(LOAD) * tangents)
+def _tables_check(dataset: xr.Dataset) -> Check:
+    """Check the points, and the records that are drawn, against the tables as numpy reads them."""
+    names, clauses, read = json.loads(dataset.attrs["point_names"]), {}, {}
+    for name in (*names, *SLOW_FILES.values()):
+        rows = np.genfromtxt(FOLDER / name, delimiter=";", skip_header=12)
+        read[name] = rows[np.isfinite(rows).all(axis=1)] * (1e-3, *_SIGNED)  # but for the heading
+    points = [[*x.mean(axis=0), *x.std(axis=0, ddof=1)] for x in (read[name][:, 1:] for name in names)]
+    kinds = ("measured_speed", "measured_torque", "speed_scatter", "torque_scatter")
+    for name, column in zip(kinds, np.transpose(points), strict=True):
+        clauses[name] = near(dataset[name], column, 1e-9)
+    for row, (word, sense) in enumerate((("back", -1), ("outward", 1))):
+        one, (time, speed, torque) = dataset.isel(direction=row), read[SLOW_FILES[sense]].T
+        clauses[f"record_{word}"] = near(one.recorded_torque, sense * torque[: one.sizes["record_time"]], 1e-9)
+        clauses[f"mean_{word}"] = near(one.mean_torque[0], (sense * torque).mean(), 1e-9)
+        clauses[f"median_{word}"] = near(one.standing_speed, np.median(sense * speed), 1e-9)
+        clauses[f"times_{word}"] = each(np.abs(one.record_time - time[: one.sizes["record_time"]]), "<", 1e-9)
+    return Check.that("measured_drive.tables", **clauses)
+
+
+def _model_clauses(dataset: xr.Dataset) -> dict[str, Clause]:
+    """That the torque of the model that is drawn repeats after its period, and has its mean over some of them."""
+    clauses = {}
+    for word, one in zip(("back", "outward"), (dataset.isel(direction=k) for k in (0, 1)), strict=True):
+        period, time, torque = float(one.model_period), one.model_time.values, one.model_torque.values
+        last = period * (time[-1] // period)
+        times = np.linspace(0, last, 20_001)
+        drawn = np.interp(times, time, torque)
+        clauses[f"mean_{word}"] = near(drawn.mean(), one.mean_torque[1], 2e-3)
+        again = np.interp(times[times < last - period] + period, time, torque)
+        clauses[f"repeats_{word}"] = each(np.abs(again - drawn[: again.size]).mean() / torque.mean(), "<", 2e-3)
+    return clauses
+
+
+def _by_angles(dataset: xr.Dataset, speed: xr.DataArray) -> xr.DataArray:
+    """The torque of each end at some speeds, s r_m W tan(φ ± λ), φ = arctan μ, and drag [N m]."""
+    sliding, sense = dataset.pitch_radius * abs(speed) / np.cos(dataset.lead_angle), np.sign(speed)
+    exponent = xr.DataArray(json.loads(dataset.attrs["stribeck_exponents"]), dims="end")
+    fade = np.exp(-((sliding / dataset.fitted_stribeck_speed) ** exponent))
+    mu = dataset.fitted_friction_coefficient + dataset.fitted_stribeck_rise * fade
+    angle = np.arctan(mu + dataset.fitted_friction_slope * sliding)
+    drag = dataset.fitted_coulomb * sense + dataset.fitted_viscous * speed + dataset.fitted_offset
+    tangents = np.tan(angle + sense * np.sign(dataset.load_case[0]) * dataset.lead_angle)
+    return drag + sense * dataset.pitch_radius * abs(dataset.load_case[0]) * tangents
 
 
 def draw(dataset: xr.Dataset) -> style.Figure:

@@ -1,4 +1,4 @@
-"""The datasets of the figures on coarse grids, ways to spoil them, and pictures."""
+"""The datasets of the figures on coarse grids, what changes them, and pictures."""
 
 import re
 from collections.abc import Callable
@@ -6,6 +6,7 @@ from copy import deepcopy
 from functools import cache
 from itertools import combinations
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from unittest.mock import patch
 
 import numpy as np
@@ -15,14 +16,13 @@ from matplotlib import rc_context
 from matplotlib.legend import Legend
 from matplotlib.text import Text
 
-from lsvib.answers.io import read_dataset
+from lsvib.answers.io import read_dataset, write_dataset
 from lsvib.chapter import build
 from lsvib.chapter.checks import Check
 from lsvib.chapter.configuration import load
 from lsvib.pictures import drawing, style
 
 STANDARD, COARSE = Path(__file__).parents[2] / "config" / "config.yaml", Path(__file__).with_name("coarse.yaml")
-Spoiler = Callable[[xr.Dataset], xr.Dataset]
 
 
 @cache
@@ -44,24 +44,21 @@ def dataset_of(figure: str) -> xr.Dataset:
     return build.dataset_of(figure, coarse(figure))
 
 
+@cache
+def stored(figure: str) -> xr.Dataset:
+    """The dataset of a figure as a file gives it back."""
+    with TemporaryDirectory() as folder:
+        write_dataset(dataset_of(figure), file := Path(folder) / "figure.nc")
+        return read_dataset(file)
+
+
 def checks_of(figure: str, dataset: xr.Dataset) -> list[Check]:
     return list(load(figure).checks(dataset))
 
 
-def set_to(name: str, value, *where: int) -> Spoiler:
-    """A spoiler that puts ``value`` into a variable, at an index or everywhere."""
-
-    def spoil(dataset: xr.Dataset) -> xr.Dataset:
-        values = dataset[name].values.copy()
-        values[where or ...] = value
-        return dataset.assign({name: (dataset[name].dims, values, dataset[name].attrs)})
-
-    return spoil
-
-
-def scale(name: str, factor: float, *where: int) -> Spoiler:
-    """A spoiler that multiplies a variable, at an index or everywhere."""
-    return lambda dataset: set_to(name, dataset[name].values[where or ...] * factor, *where)(dataset)
+def set_to(name: str, value) -> Callable[[xr.Dataset], xr.Dataset]:
+    """What puts a value, or values, in the place of those of a variable."""
+    return lambda dataset: dataset.assign({name: dataset[name].variable.copy(data=np.full_like(dataset[name], value))})
 
 
 def without_room(figure: style.Figure) -> list[str]:

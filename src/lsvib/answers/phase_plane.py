@@ -34,7 +34,6 @@ PERIOD = "period of the steady vibration"
 AMPLITUDE = "amplitude of the steady vibration, half its peak-to-peak"
 GLOBAL_STABILITY = "axial force beyond which steady sliding is globally stable"
 RULE = cf.named_index("rule", "rule of resuming after a seizure", RULES)
-_WHICH_CYCLE = "one period of what the first start reaches by the first rule, missing if that is no cycle"
 
 
 def grid_axes(angle: np.ndarray, velocity: np.ndarray) -> cf.Variables:
@@ -50,6 +49,27 @@ def curve(name: str, dims: cf.Dims, points: np.ndarray, where: str, **more: str)
     return {
         f"{name}_u": cf.variable(dims, points[..., 0], "rad", f"deviation {where}", "$u$", **more),
         f"{name}_w": cf.variable(dims, points[..., 1], "rad s-1", rate, r"$\dot u$", **more),
+    }
+
+
+def cycle_curves(dims: Sequence[str], cycles: Sequence[SteadyState], count: int, prefix: str = "cycle") -> cf.Variables:
+    """Return cycles as curves in the phase plane, dimensions (*dims, sample), NaN where there is none.
+
+    Time [s] from a point of the cycle, angle and velocity, what else the state has, and the contact force; both states
+    of each event are among the samples.
+    """
+    orbit = next((steady.orbit for steady in cycles if steady.orbit is not None), None)
+    names = (*(orbit.automaton.states[2:] if orbit else ()), "normal_force")
+    table = np.full((len(cycles), 3 + len(names), count), np.nan)
+    for rows, steady in zip(table, cycles, strict=True):
+        if steady.orbit is not None:
+            rows[0], states, modes = sample(steady.orbit, count)
+            rows[1:] = *states.T, steady.orbit.automaton.observe("normal_force", states, modes)
+    (time, u, w, *others), dims = np.moveaxis(table, 1, 0) if dims else table[0], (*dims, f"{prefix}_sample")
+    return {
+        f"{prefix}_time": cf.variable(dims, time, "s", "time along the cycle", "$t$"),
+        **curve(prefix, dims, np.stack([u, w], axis=-1), "on the limit cycle"),
+        **{f"{prefix}_{name}": (dims, x, cf.quantity(name)) for name, x in zip(names, others, strict=True)},
     }
 
 
@@ -90,8 +110,8 @@ def portraits(
     ``settings``: ``starts``, each with u [rad] and w = u′ [rad/s]; ``duration`` [s] and number of ``samples`` of a
     motion. ``varied``: parameters in which the drives differ; ``printed``: places of the chapter beyond Table 8.1 that
     state parameters. Returns the :func:`lines`, the sampled motions (case, start, sample) with their events (case,
-    start, event), what they settle on (case, rule, start), and the limit cycle of the first one (case, sample). Raises
-    ``InputError`` if the samples are too few for the events.
+    start, event), what they settle on (case, rule, start), and the limit cycle of the first one (case, cycle_sample).
+    Raises ``InputError`` if the samples are too few for the events.
     """
     from lsvib.dynamics.impulses import event_impulses
 
@@ -176,24 +196,20 @@ def _stacked(found: Sequence[Sequence[WithAttributes]], dim: str) -> cf.Variable
 
 
 def _attractors(steady: Sequence[Sequence[Sequence[SteadyState]]], samples: int) -> cf.Variables:
-    """Return what motions settle on, (case, rule, start), and the limit cycle of the first one, (case, sample).
+    """Return what motions settle on, (case, rule, start), and the limit cycle of the first one, (case, cycle_sample).
 
-    Period and cycle are left out where no motion has one.
+    That is of the first start by the first rule. Period and cycle are left out where no motion has one.
     """
     dims = ("case", "rule", "start")
 
     def table(name: str, dtype: type) -> np.ndarray:
         return np.array([[[getattr(s, name) for s in row] for row in case] for case in steady], dtype=dtype)
 
-    cycle = np.full((len(steady), samples, 2), np.nan)
-    for points, case in zip(cycle, steady, strict=True):
-        if case[0][0].orbit is not None:
-            points[:] = sample(case[0][0].orbit, samples)[1]
     found = {
         "attractor": attractors(dims, table("label", np.int8)),
         "amplitude": cf.variable(dims, table("amplitude", float), "rad", AMPLITUDE),
         "period": cf.variable(dims, table("period", float), "s", PERIOD, "$T$"),
-        **curve("cycle", ("case", "sample"), cycle, "on the limit cycle", comment=_WHICH_CYCLE),
+        **cycle_curves(("case",), [case[0][0] for case in steady], samples),
     }
     return {name: own for name, own in found.items() if not np.isnan(own[1]).all()}
 

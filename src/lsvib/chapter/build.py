@@ -33,13 +33,12 @@ def compute_figure(
     checks_file: File,
     parts: Mapping[str, File] | None = None,
 ) -> list[Check]:
-    """Compute the :func:`dataset_of` a figure and judge it, by the function ``checks`` of its module; write both.
+    """Compute the :func:`dataset_of` a figure and judge its file, by the function ``checks`` of its module; write both.
 
     Raises ``InputError`` about the settings and ``LsvibError`` about files, in one sentence.
     """
-    dataset = dataset_of(figure, given, parts)
-    write_dataset(dataset, dataset_file, f"{module_of(figure)}.build")
-    checks: list[Check] = load(figure).checks(dataset)
+    write_dataset(dataset_of(figure, given, parts), dataset_file, f"{module_of(figure)}.build")
+    checks: list[Check] = load(figure).checks(read_dataset(dataset_file))
     write_json([check.to_json() for check in checks], checks_file)
     return checks
 

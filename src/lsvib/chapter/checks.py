@@ -6,16 +6,17 @@ what became of all that the chapter states (``config/chapter.yaml``).
 
 import json
 import math
+import operator
 import os
 import re
 import string
 import textwrap
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from itertools import chain
 from pathlib import Path
-from typing import Any, Literal, Self
+from typing import Any, Literal, NamedTuple, Self
 
 import numpy as np
 
@@ -32,16 +33,58 @@ _VERDICTS = {  # the first that an entry has is its own: a check may hold the ev
     "input": "are inputs",
     "unchecked": "are not checked, each with the reason",
 }
+_RELATIONS = {"<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge}
+
+
+class Clause(NamedTuple):
+    """One of the conditions that a claim is made of: what was found, in words that take its name, and its verdict."""
+
+    value: Any
+    words: str
+    passed: bool
+
+
+def each(value: Any, relation: Literal["<", "<=", ">", ">="], bound: Any) -> Clause:
+    """Return the clause that a number, or each of an array, is in a relation to a bound; NaN and none never are."""
+    numbers, limit = np.ravel(value), float(bound)
+    worst = float((numbers.max if "<" in relation else numbers.min)()) if numbers.size else math.nan
+    return Clause(worst, f"{{}} {text(worst)} {relation} {text(limit)}", _RELATIONS[relation](worst, limit))
+
+
+def near(value: Any, expected: Any, tolerance: float) -> Clause:
+    """Return the clause that a number, or each of an array, is what is expected, up to a relative error [1]."""
+    found = each(abs(value / expected - 1), "<=", tolerance)
+    return found._replace(words=found.words.replace("{}", "{} off by"))
+
+
+def every(cases: Any) -> Clause:
+    """Return the clause that something is so in all cases of a Boolean array, at least one."""
+    return _counted("all", cases, np.all(cases) and np.size(cases))
+
+
+def some(cases: Any) -> Clause:
+    """Return the clause that something is so in at least one case of a Boolean array."""
+    return _counted("some", cases, np.any(cases))
+
+
+def never(cases: Any) -> Clause:
+    """Return the clause that something is so in no case of a Boolean array, which has at least one."""
+    return _counted("no", cases, not np.any(cases) and np.size(cases))
+
+
+def _counted(word: str, cases: Any, holds: Any) -> Clause:
+    return Clause(np.asarray(cases), f"{word} {{}} ({int(np.sum(cases))} of {np.size(cases)})", bool(holds))
 
 
 @dataclass(frozen=True)
 class Check:
-    """One claim of the chapter and what was computed; make it with :meth:`of`.
+    """One claim of the chapter and what was computed; make it with :meth:`of` or :meth:`that`.
 
     ``claim`` is a sentence, ``source`` says where the chapter makes it, ``error`` is the relative error [1],
     ``tolerance`` the largest relative error allowed [1] and ``tolerance_reason`` why; ``expected`` and ``computed`` are
     numbers in ``unit``. For a claim that holds or does not, ``expected`` is ``"true"``, ``computed`` says what was
     found, ``unit``, ``error`` and ``tolerance`` are None. ``id``: that of the claim in ``config/chapter.yaml``, if any.
+    ``clauses``: of a claim that has several conditions what was found of each, by its name, and whether it holds.
     """
 
     claim: str
@@ -54,84 +97,50 @@ class Check:
     unit: str | None
     passed: bool
     id: str = ""
+    clauses: dict[str, dict[str, Any]] = field(default_factory=dict)
 
     @classmethod
-    def within(
-        cls,
-        claim: str,
-        source: str,
-        expected: float,
-        computed: float,
-        tolerance: float,
-        unit: str,
-        tolerance_reason: str = "printed with ≈",
-        id: str = "",
-    ) -> Self:
-        """Check that |computed − expected| ≤ tolerance · |expected|; a ``computed`` that is not finite never passes.
-
-        Raises ``InputError`` if ``expected`` is zero or not finite, or ``tolerance`` is not positive: a relative error
-        has no meaning there.
-        """
-        expected, computed, tolerance = float(expected), float(computed), float(tolerance)
-        if not math.isfinite(expected) or expected == 0:
-            raise InputError(f"expected = {expected:g} has no relative error; check {claim!r} in words.")
-        if not tolerance > 0:
-            raise InputError(f"tolerance = {tolerance:g} is outside the allowed range 0 < tolerance.")
-        error = abs(computed - expected) / abs(expected)
-        return cls(claim, source, expected, computed, error, tolerance, tolerance_reason, unit, error <= tolerance, id)
-
-    @classmethod
-    def holds(cls, claim: str, source: str, computed: str, truth: bool, id: str = "") -> Self:
+    def holds(cls, claim: str, source: str, computed: str, truth: bool) -> Self:
         """Check that a claim holds: ``truth`` decides, ``computed`` says in words or numbers what was found."""
-        return cls(claim, source, "true", computed, None, None, "", None, bool(truth), id)
+        return cls(claim, source, "true", computed, None, None, "", None, bool(truth))
 
     @classmethod
-    def that(cls, id: str, truth: Any, **numbers: Any) -> Self:
-        """Check that the claim of this id in ``config/chapter.yaml`` holds, where all its words are; ``truth`` decides.
+    def that(cls, id: str, /, **told: Any) -> Self:
+        """Check that the claim of this id in ``config/chapter.yaml`` holds, where all its words are.
 
-        ``numbers``: what the words leave open, by the names in braces: a number or text, an array, of which each entry
-        is told, or ``{x.min}`` and the like of an array ``x``.
+        ``told``, by name: the clauses that decide, all of which have to hold – :func:`each`, :func:`every`,
+        :func:`some`, :func:`never` –, and what else the words leave open in braces: a number or text, an array, of
+        which each entry is told, or ``{x.min}`` and the like of an array ``x``. Clauses that the words do not tell, and
+        those that do not hold, follow them.
         """
-        said = claims()[id]
+        said, judged = claims()[id], {name: one for name, one in told.items() if isinstance(one, Clause)}
+        numbers = {name: one.value if name in judged else one for name, one in told.items()}
         claim, source, found = (_filled(words, numbers) for words in (said.claim, said.source, said.found))
-        return cls.holds(claim, source, found, truth, id)
+        clauses, rest = {}, []
+        for name, (_, words, holds) in judged.items():
+            words = words.format(name.replace("_", " "))
+            clauses[name] = {"found": words, "passed": holds}
+            if not holds or not re.search(rf"{{{name}\b", said.found):
+                rest.append(words if holds else f"NOT {words}")
+        passed = bool(clauses) and all(one.passed for one in judged.values())
+        words = "; ".join(filter(None, (found, ", ".join(rest))))
+        return cls(claim, source, "true", words, None, None, "", None, passed, id, clauses)
 
     @classmethod
-    def of(
-        cls,
-        id: str,
-        computed: Any,
-        *,
-        expected: float | None = None,
-        tolerance: float | None = None,
-        note: str = "",
-        **left_open: Any,
-    ) -> Self:
+    def of(cls, id: str, computed: Any, *, expected: Any = None, note: str = "", **left_open: Any) -> Self:
         """Check the number that has this id in ``config/chapter.yaml``, where its words, source and tolerance are.
 
         ``computed``, or of several numbers the worst, is compared with the one that the chapter prints, or else with
-        what is ``expected``, where a ``tolerance`` may depend on what was computed, too. ``left_open``: what words and
-        source leave open, by the name in braces; ``note``: what is special about this check, to follow its claim.
+        what is ``expected``; what is not finite never passes, nor does anything where zero is expected. ``left_open``:
+        what words and source leave open, by the name in braces; ``note``: what is special, to follow the claim.
         """
-        said = claims()[id]
+        said, numbers = claims()[id], np.ravel(computed)
         claim, source = (_filled(words, left_open) for words in (said.claim, said.source))
         aim = float(said.value if expected is None else expected)
-        worst = np.ravel(computed)[np.argmax(np.abs(np.ravel(computed) - aim))]  # NaN is worse than any
-        allowed = said.tolerance if tolerance is None else tolerance
-        claim += note and f", {note}"
-        return cls.within(claim, source, aim, worst, allowed, said.unit, said.reason, id)
-
-    @classmethod
-    def everywhere(cls, id: str, where: Any, of: str = "") -> Self:
-        """Check that a claim holds in all cases of a Boolean array, at least one; ``of`` says what they are."""
-        words = f"{int(where.sum())} of {where.size}{of and f' {of}'}"
-        return cls.holds(claims()[id].claim, claims()[id].source, words, where.size > 0 and where.all(), id)
-
-    @classmethod
-    def without_exception(cls, id: str, exceptions: Any, compared: Any, of: str = "points") -> Self:
-        """Check that a claim holds in all of the cases ``compared``, at least one; ``of`` says what they are."""
-        words = f"{int(exceptions)} exceptions among {int(compared)} {of}"
-        return cls.holds(claims()[id].claim, claims()[id].source, words, exceptions == 0 and compared > 0, id)
+        worst = float(numbers[np.argmax(np.abs(numbers - aim))])  # NaN is worse than any
+        error, claim = abs(worst - aim) / abs(aim) if aim else math.nan, f"{claim}, {note}" if note else claim
+        passed = error <= said.tolerance
+        return cls(claim, source, aim, worst, error, said.tolerance, said.reason, said.unit, passed, id)
 
     def to_json(self) -> dict[str, Any]:
         """Return plain values for JSON; numbers that are not finite become text, because JSON has none."""

@@ -8,13 +8,12 @@ from pydantic import Field
 
 from lsvib.answers import spans
 from lsvib.answers.attributes import CRITICAL_MASS, Variables, drive_parameters, origin_of, variable, varied, yes_no
-from lsvib.chapter import newton
+from lsvib.chapter import newton, printed_laws
 from lsvib.chapter import settings as of
-from lsvib.chapter.checks import Check
+from lsvib.chapter.checks import Check, each, every, near, never
 from lsvib.chapter.common import CRITICAL_MASS_WITH_CONTACT, about, critical_mass_with_contact
 from lsvib.drives import chapter
 from lsvib.drives.drive import Drive
-from lsvib.drives.mechanics import coefficients
 from lsvib.errors import InputError
 from lsvib.pictures import style
 from lsvib.stability.boundaries import place_values, stable_set
@@ -65,8 +64,7 @@ def build(settings: of.Values) -> xr.Dataset:
     return xr.Dataset(
         _curves(drive, curves, along)
         | {"critical_mass_with_contact": variable("contact", critical, *CRITICAL_MASS_WITH_CONTACT)}
-        | _growth_rates(drive, heavy, light, dampings, stiffness)
-        | _limits(drive, heavy, light),
+        | _growth_rates(drive, heavy, light, dampings, stiffness),
         coords={
             **varied(curve_contact_stiffness=curves, curve_contact_damping=along),
             **drive_parameters(
@@ -113,48 +111,43 @@ def _growth_rates(drive: Drive, heavy: float, light: float, dampings: np.ndarray
     dampings_of = [[(float(a), float(b)) for a, b in found.intervals] for found in stable]  # type: ignore[union-attr]
     window = np.array([row[0] if len(row) > 1 else (np.nan, np.nan) for row in dampings_of])
     above = [unstable_contact_stiffness(d) for d in drives[0]]
+    limit = least_damping_of_stiff_contact(drive.replace(mass=light))
     damping, stiff = "growth_contact_damping", "growth_contact_stiffness"
     largest, proved = "largest real part of the eigenvalues", "contact stiffness beyond which Lemma 8.1 is proved"
     enough = "contact damping above which the smaller mass is stable for all"
     fewer = "ends of an interval of smaller dampings at which it is also stable"
+    of_stiff = "its limit for a stiff contact"
     return {
         "growth_rate": variable(("mass", damping, stiff), growth, "s-1", largest, r"max Re $s$"),
         "unstable_contact_stiffness": variable(damping, above, "N m-1", proved, "$k_c$"),
         "least_contact_damping": variable(stiff, [row[-1][0] for row in dampings_of], "N s m-1", enough, "$c_c$"),
+        "least_contact_damping_of_stiff_contact": variable((), limit, "N s m-1", of_stiff, "$c_c$"),
         "window_of_soft_contact": variable((stiff, "end"), window, "N s m-1", fewer, "$c_c$"),
-    }
-
-
-def _limits(drive: Drive, heavy: float, light: float) -> Variables:
-    """What the growth rates of two masses [kg] tend to for a stiff contact, and the scale of Lemma 8.1."""
-    gamma = {mass: float(coefficients(drive.replace(mass=mass)).gamma[1]) for mass in (heavy, light)}
-    beta = float(np.cos(drive.lead_angle) ** 2 * (1 + drive.friction_coefficient * np.tan(drive.lead_angle)))
-    lever = beta * abs(gamma[heavy]) / (drive.screw_inertia * heavy)
-    elastic = drive.support_damping / 2 * (1 / gamma[light] - 1 / drive.screw_inertia)
-    least = least_damping_of_stiff_contact(drive.replace(mass=light))
-    limit = "its limit for a stiff contact"
-    words = "limit of the growth rate of the smaller mass for a stiff elastic contact"
-    scale = "beta |Gamma_0| / (I m) of the larger mass, to which its growth rates are scaled"
-    return {
-        "least_contact_damping_of_stiff_contact": variable((), least, "N s m-1", limit, "$c_c$"),
-        "elastic_growth_limit": variable((), elastic, "s-1", words),
-        "growth_scale": variable((), lever, "kg-1", scale),
     }
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:
     """Check the critical masses against eigenvalues and the rigid one, Lemma 8.1 and its converse."""
-    drive, wrong = newton.parameters(dataset), 0
+    drive, exceptions = newton.parameters(dataset), []
     for one in dataset.growth_rate.stack(contact=dataset.growth_rate.dims).transpose("contact"):
         m, c, k = one.contact.item()
-        contact = Drive.of(drive, mass=m, contact_damping=c, contact_stiffness=k)
-        stable = all(x > 0 for x in margins(polynomial(contact.exact(), law=1), neutral=False))
-        wrong += stable != bool(one < 0)
+        exceptions.append(_surely_stable(drive, mass=m, contact_damping=c, contact_stiffness=k) != bool(one < 0))
     return [
         *_critical_mass_checks(dataset, drive),
         *_lemma_checks(dataset, drive),
-        Check.without_exception("contact_stability.signs", wrong, dataset.growth_rate.size, "contacts"),
+        Check.that("contact_stability.signs", exceptions=never(exceptions)),
     ]
+
+
+def _surely_stable(drive: of.Values, **contact: float) -> bool:
+    """Whether steady sliding is stable, by the Routh-Hurwitz conditions in 50 digits."""
+    return all(x > 0 for x in margins(polynomial(Drive.of(drive, **contact).exact(), law=1), neutral=False))
+
+
+def crossing(drive: of.Values, mass: np.ndarray, contacts: of.Values) -> np.ndarray:
+    """Return LAPACK's largest real parts [1/s] just below and above masses [kg] (..., 2), each with its contact."""
+    beside = {name: np.asarray(value)[..., None] for name, value in contacts.items()}
+    return _largest_real_part(drive, mass=np.asarray(mass)[..., None] * _BESIDE, **beside)
 
 
 def _critical_mass_checks(dataset: xr.Dataset, drive: of.Values) -> list[Check]:
@@ -163,14 +156,17 @@ def _critical_mass_checks(dataset: xr.Dataset, drive: of.Values) -> list[Check]:
     By LAPACK these masses, and the ends of the intervals of dampings at which a contact is stable, of soft ones two.
     """
     rigid, own = float(dataset.critical_mass), dataset.critical_mass_with_contact.values
-    contacts = {name: dataset[name].values[:, None] for name in _CONTACT}
-    sides = _largest_real_part(drive, mass=own[:, None] * _BESIDE, **contacts)
-    crossing = {"sides": [f"{a:.2e} and {b:.2e}" for a, b in sides], "beside": _NEAR}
-    masses, every = dataset.curve_critical_mass_with_contact, dataset.stable_at_every_mass.values == 1
-    lost, again = np.isfinite(masses), np.isfinite(dataset.stable_again.values)
-    softest = float(dataset.curve_contact_stiffness.values[(every | again).any(axis=1)].max(initial=0.0))
-    swept = (masses.values[~every] < rigid).all() and softest < float(dataset.unstable_contact_stiffness[0])
-    kinds = {"lost": lost, "masses": masses, "every": every, "again": again, "softest": softest}
+    sides = crossing(drive, own, {name: dataset[name].values for name in _CONTACT})
+    told = {"sides": [f"{a:.2e} and {b:.2e}" for a, b in sides], "beside": _NEAR}
+    masses, every_mass = dataset.curve_critical_mass_with_contact, dataset.stable_at_every_mass.values == 1
+    lost, again = np.isfinite(masses).values, np.isfinite(dataset.stable_again.values)
+    softest = float(dataset.curve_contact_stiffness.values[(every_mass | again).any(axis=1)].max(initial=0.0))
+    contacts = np.meshgrid(*(dataset[f"curve_{name}"].values for name in _CONTACT), indexing="ij")
+    loses, regains = (
+        crossing(drive, found.values[where], dict(zip(_CONTACT, (x[where] for x in contacts), strict=True))) > 0
+        for found, where in ((masses, lost), (dataset.stable_again, again))
+    )
+    swept = {"lost": lost, "masses": masses, "every": every_mass, "again": again, "softest": softest}
 
     stiffness, least = dataset.growth_contact_stiffness.values, dataset.least_contact_damping.values[:, None]
     soft = np.isfinite(dataset.window_of_soft_contact.values).all(axis=1)
@@ -180,16 +176,18 @@ def _critical_mass_checks(dataset: xr.Dataset, drive: of.Values) -> list[Check]:
         light = {**drive, "mass": float(dataset.mass[1])}
         return _largest_real_part(light, contact_stiffness=k[:, None], contact_damping=dampings) > 0
 
-    ends = (grows(stiffness, least * _BESIDE) == [True, False]).all(axis=1)
     around = np.hstack([low * _BESIDE, np.sqrt(low * high), high * _BESIDE])
-    windows = (grows(stiffness[soft], around) == [True, False, False, False, True]).all(axis=1)
-    both = {"windows": windows, "ends": ends, "softest": stiffness[soft].max(initial=0.0), "beside": _NEAR}
+    both = {"softest": stiffness[soft].max(initial=0.0), "beside": _NEAR}
     return [
-        Check.that("contact_stability.drawn", (np.diff(own) < 0).all() and own[0] < rigid, masses=own, rigid=rigid),
-        Check.that("contact_stability.crossing", all(a < 0 < b for a, b in sides), **crossing),
-        Check.that("contact_stability.sweep", swept, **kinds),
-        Check.that("contact_stability.soft", windows.all() and ends.all() and windows.size > 0, **both),
-    ]
+        Check.that("contact_stability.drawn", steps=each(np.diff(own), "<", 0), stiffest=each(own[0], "<", rigid),
+                   closed_form=near(rigid, printed_laws.critical_mass(dataset), 1e-12), masses=own, rigid=rigid),
+        Check.that("contact_stability.crossing", crossings=every((sides > 0) == [False, True]), **told),
+        Check.that("contact_stability.sweep", below=each(masses.values[~every_mass], "<", rigid),
+                   soft=each(softest, "<", dataset.unstable_contact_stiffness[0]),
+                   crossings=every(loses == [False, True]), crossings_back=every(regains == [True, False]), **swept),
+        Check.that("contact_stability.soft", ends=every(grows(stiffness, least * _BESIDE) == [True, False]),
+                   windows=every(grows(stiffness[soft], around) == [True, False, False, False, True]), **both),
+    ]  # fmt: skip
 
 
 def _lemma_checks(dataset: xr.Dataset, drive: of.Values) -> list[Check]:
@@ -198,29 +196,33 @@ def _lemma_checks(dataset: xr.Dataset, drive: of.Values) -> list[Check]:
     The larger is unstable with a stiff contact; how fast it then grows. How much damping the smaller one needs.
     """
     heavy, light = dataset.growth_rate
-    beyond = dataset.growth_contact_stiffness > dataset.unstable_contact_stiffness
-    scale, last = float(dataset.growth_scale), float(dataset.growth_contact_stiffness[-1])
+    inertia_of_heavy, inertia_of_light = (printed_laws.inertia(dataset.isel(mass=k), 1) for k in (0, 1))
+    beyond = (dataset.growth_contact_stiffness > dataset.unstable_contact_stiffness).transpose(*heavy.dims)
+    beta = np.cos(dataset.lead_angle) * printed_laws.lever(dataset, 1)
+    scale = float(-beta * inertia_of_heavy / (dataset.screw_inertia * dataset.mass[0]))
+    last = float(dataset.growth_contact_stiffness[-1])
     half = scale * dataset.growth_contact_damping.values / 2
     ratio = heavy.values[:, -1] / (half + np.sqrt(half**2 + scale * last))
     contacts = {**drive, "mass": float(dataset.mass[0]), "contact_damping": dataset.growth_contact_damping.values}
     places = (0.0, dataset.unstable_contact_stiffness.values)
     none, left = (polynomial({**contacts, "contact_stiffness": k}, law=1)[2] for k in places)
-    part, unstable = np.abs(left / none).max(), (heavy > 0) & beyond
-    proved = (unstable == beyond).all() and beyond.any("growth_contact_stiffness").all()
-    grows = (np.abs(ratio - 1) < 0.01).all() and (np.diff(heavy.values[:, -3:]) > 0).all()
-    elastic, least, limit = light.values[0], dataset.least_contact_damping, float(dataset.elastic_growth_limit)
-    flutters = (elastic > 0).all() and abs(elastic[-1] / limit - 1) < 0.01
-    bound = float(dataset.least_contact_damping_of_stiff_contact)
-    enough = dataset.growth_contact_damping > least
-    damped = (light < 0).where(enough, True).all() and abs(float(least[-1]) / bound - 1) < 0.01
-    ends = {"stable": enough & (light < 0), "enough": enough, "least": least, "bound": bound}
+    limit = float(dataset.support_damping / 2 * (1 / inertia_of_light - 1 / dataset.screw_inertia))
+    elastic, least = light.values[0], dataset.least_contact_damping
+    bound, enough = dataset.least_contact_damping_of_stiff_contact, dataset.growth_contact_damping > least
+    stiff = {"mass": float(dataset.mass[1]), "contact_stiffness": 1e14}
+    sides = [_surely_stable(drive, contact_damping=float(bound) * part, **stiff) for part in (0.999, 1.001)]
     return [
-        Check.that("contact_stability.proof", part < 1e-9, part=part),
-        Check.that("contact_stability.unstable", proved, unstable=unstable, beyond=beyond),
-        Check.that("contact_stability.growth", grows, ratios=ratio, stiffest=last),
-        Check.that("contact_stability.elastic", flutters, rate=elastic, limit=limit),
-        Check.that("contact_stability.damped", damped, **ends),
-    ]
+        Check.that("contact_stability.proof", part=each(abs(left / none), "<", 1e-9)),
+        Check.that("contact_stability.unstable", contacts=each(heavy.values[beyond.values], ">", 0),
+                   dampings=every(beyond.any("growth_contact_stiffness"))),
+        Check.that("contact_stability.growth", ratio=near(ratio, 1, 0.01), ratios=ratio, stiffest=last,
+                   rise=each(np.diff(heavy.values[:, -3:]), ">", 0)),
+        Check.that("contact_stability.elastic", least=each(elastic, ">", 0), last=near(elastic[-1], limit, 0.01),
+                   rate=elastic, limit=limit),
+        Check.that("contact_stability.damped", contacts=each(light.values[enough.values], "<", 0),
+                   limit=near(least[-1], bound, 0.01), stiff_contacts=every(np.array(sides) == [False, True]),
+                   least=least, bound=bound),
+    ]  # fmt: skip
 
 
 def _largest_real_part(drive: of.Values, **values: Any) -> np.ndarray:

@@ -14,8 +14,8 @@ from pydantic_core import PydanticCustomError
 from lsvib.answers import phase_plane, spans
 from lsvib.answers.analysis import analyse, value
 from lsvib.answers.attributes import counted, flagged, named, start_state, variable, varied, yes_no
-from lsvib.chapter import newton
-from lsvib.chapter.checks import Check, quantity
+from lsvib.chapter import newton, printed_laws
+from lsvib.chapter.checks import Check, each, every, near, never, quantity
 from lsvib.chapter.common import about, printed, spread
 from lsvib.chapter.settings import MassPair, PhasePlane, Span, State, Values, parameter, several
 from lsvib.drives import chapter
@@ -80,7 +80,8 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
     values = {name: value(analysis[_OF[name]], masses.index(drive.mass)) for name in _THRESHOLDS}
     # Also at a relative distance of 1e-9 on either side of a threshold.
     beside = [value * (1 + sign * 1e-9) for value in values.values() for sign in (-1, 1)]
-    forces = np.unique(np.concatenate([spans.even(settings["axial_force"]), list(values.values()), beside]))
+    known = (spans.even(settings["axial_force"]), settings["insets"], list(values.values()), beside)
+    forces = np.unique(np.concatenate(known))
     tangent = float(drive.exact().tan_lead)
     frictions = np.append(tangent * np.array([0.99, 1.01]), drive.friction_coefficient)
     drives = [drive.replace(axial_force=float(force)) for force in forces]
@@ -91,7 +92,6 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
         {
             **varied(swept_axial_force=forces, swept_friction_coefficient=frictions, reading_mass=masses),
             **start_state(settings["start"], "of the motions whose steady vibration swept_amplitude describes"),
-            "lead_tangent": variable((), tangent, "1", "tangent of the lead angle", r"$\tan\lambda$"),
             **{name: variable((), value, "N", words[name], "$R$") for name, value in values.items()},
             **{f"printed_{n}": printed(chapter.THRESHOLDS[n], words[n]) for n in _THRESHOLDS},
         }
@@ -107,12 +107,10 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
     holds = {"holds_without_torque": yes_no("swept_friction_coefficient", holding, said)}
     _, kinds = behaviours(product_of(drives[0], {"axial_force": forces.tolist()}))
     dim, slowest = "swept_axial_force", [s.extremes(np.array([0, 1.0, 0]))[0] for s in steady]
-    net, drag = [float(coefficients(d).net_force) for d in drives], "axial force less the drag of the translation"
     curve = {
         "swept_amplitude": variable(dim, [s.amplitude for s in steady], "rad", phase_plane.AMPLITUDE),
         "smallest_velocity": variable(dim, slowest, "rad s-1", "smallest rate of the deviation", r"$\dot u$"),
         "regime": flagged(dim, kinds, "what the drive does", Behaviour),
-        "net_force": variable(dim, net, "N", drag, r"$\tilde R$"),
     }
     return planes.assign(curve | readings | holds).assign_attrs(
         about(__doc__, "exact event-driven motion and its return map", "Sect. 8.5.1, Fig. 8.6")
@@ -124,48 +122,53 @@ def checks(dataset: xr.Dataset) -> list[Check]:
 
     What the motions of a portrait reach is what the chapter says of a force, by its own printed limits.
     """
-    friction, tangent = dataset.swept_friction_coefficient.values, float(dataset.lead_tangent)
+    friction, tangent = dataset.swept_friction_coefficient.values, float(np.tan(dataset.lead_angle))
     holds, force = dataset.holds_without_torque.values == 1, dataset.axial_force.values
     limits = [claims()[id].value for id in ("fig8_06.onset_force", "fig8_06.stick_force")]
     line = dataset.contact_line_angle.values[force > limits[0]]
-    nears = line.size > 1 and (np.diff(np.abs(line)) > 0).all() and np.ptp(np.sign(line)) == 0
-    locks = (holds == (friction > tangent)).all() and holds[-1]
     insets = []
     for found, inset in zip(dataset.attractor, force, strict=True):
         id, kind = (row[np.searchsorted(limits, inset)] for row in (_INSETS, _REACHED))
         told = {"names": sorted(counted(found)), "starts": dataset.sizes["start"], "force": inset}
-        insets.append(Check.that(id, named(found, kind).all(), **told))
+        insets.append(Check.that(id, motions=every(named(found, kind)), **told))
     return [
-        newton.laws_check(dataset, "Fig. 8.6"),
+        *newton.portrait_checks(dataset, "Fig. 8.6"),
         Check.of("fig8_06.lead_tangent", tangent),
-        Check.that("fig8_06.self_locking", locks, friction=friction[holds], tangent=tangent),
-        Check.that("fig8_06.line", nears, line=np.abs(line)),
+        Check.that("fig8_06.self_locking", frictions=every(holds == (friction > tangent)),
+                   own_friction=every(friction[holds][-1:] == dataset.friction_coefficient.values),
+                   friction=friction[holds], tangent=tangent),
+        Check.that("fig8_06.line", distances=each(np.diff(np.abs(line)), ">", 0),
+                   lines_on_one_side=every(np.sign(line) == np.sign(line[:1])), line=np.abs(line)),
         *(Check.of(chapter.THRESHOLDS[name], dataset[name]) for name in _THRESHOLDS),
         newton.touching_check(dataset.isel(case=0), 1, dataset.detach_force, "Detach force"),
         *_curve_checks(dataset),
         *insets,
         *_reading_checks(dataset),
-    ]
+    ]  # fmt: skip
 
 
 def _curve_checks(dataset: xr.Dataset) -> list[Check]:
     """Check the amplitude between the thresholds, and that the regime changes there and nowhere else."""
     onset, stick, detach = limits = [float(dataset[name]) for name in _THRESHOLDS]
     slowest = dataset.smallest_velocity.values
-    force, amplitude = dataset.swept_axial_force.values, dataset.swept_amplitude.values
-    below, last = amplitude[force < onset], amplitude[force > detach]
-    slip = (force > onset) & (force < stick)
-    slope = amplitude[slip] / dataset.net_force.values[slip]
+    force, amplitude = dataset.swept_axial_force, dataset.swept_amplitude
+    below, slips, beyond = force < onset, ((force > onset) & (force < stick)).values, force > detach
+    none, slip, last = (amplitude.values[where] for where in (below, slips, beyond))
+    net = printed_laws.net_force(dataset.assign_coords(axial_force=force)).values[slips]
+    slope = slip[-1:] / net[-1:]
+    off = abs(slip - slope * net) / slip[-1:]
     # At a threshold itself both neighbours' names are right: the cycle touches there.
-    right = np.choose(np.digitize(force, limits), [named(dataset.regime, name) for name in _REGIMES])
+    right = np.choose(np.digitize(force, sorted(limits)), [named(dataset.regime, name) for name in _REGIMES])
     judged = ~np.isin(force, limits)
-    stops = (slowest <= dataset.stop_velocity.values[0]) == (force > stick)
+    stops = (slowest <= dataset.stop_velocity.values[0]) == (force > stick).values
+    insets = amplitude.sel(swept_axial_force=dataset.axial_force)
     return [
-        Check.that("fig8_06.below_onset", below.size and (below == 0).all(), below=below),
-        Check.that("fig8_06.straight", (slope > 0).all() and spread(slope) < 1e-9, slope=slope, spread=spread(slope)),
-        Check.that("fig8_06.constant", (last > 0).all() and spread(last) < 1e-12, last=last, spread=spread(last)),
-        Check.without_exception("fig8_06.regimes", np.sum(judged & ~right), judged.sum(), "forces"),
-        Check.that("fig8_06.rest", stops[judged].all(), slowest=slowest),
+        Check.that("fig8_06.below_onset", forces=every(none == 0), below=none),
+        Check.that("fig8_06.straight", slope=each(slope, ">", 0), off=each(off, "<", 1e-9)),
+        Check.that("fig8_06.constant", least=each(last, ">", 0), spread=each(spread(last), "<", 1e-12), last=last),
+        Check.that("fig8_06.portraits", motions=every(abs(insets - dataset.amplitude) <= 1e-9 * insets)),
+        Check.that("fig8_06.regimes", exceptions=never(~right[judged])),
+        Check.that("fig8_06.rest", forces=every(stops[judged]), slowest=slowest),
     ]
 
 
@@ -180,6 +183,12 @@ def _reading_checks(dataset: xr.Dataset) -> list[Check]:
     forces = {chapter.THRESHOLDS[name]: float(theirs[f"reading_{name}"]) for name in ("stick_force", "detach_force")}
     off = [not abs(force / claims()[id].value - 1) <= 0.02 for id, force in forces.items()]
     read = f"as printed, read as that of m = {other:g} kg (with the stated m = {stated:g} kg it is"
+    p = dataset.assign_coords(mass=dataset.reading_mass)
+    laws = {
+        name: near(dataset[f"reading_{name}"], getattr(printed_laws, name.split("_")[1])(p, sign), 1e-12)
+        for name, sign in zip(_READ, (-1, 1, -1, 1), strict=True)
+    }
+    drag = p.pitch_radius * np.tan(p.lead_angle) * p.translation_damping * p.input_speed  # R where N_0 = 0
     return [
         Check.of("fig8_06.damping_minus", ours.reading_effective_damping_minus),
         Check.of("fig8_06.damping_plus", ours.reading_effective_damping_plus),
@@ -187,9 +196,12 @@ def _reading_checks(dataset: xr.Dataset) -> list[Check]:
             Check.of(id, theirs[f"reading_effective_{name}"], note=f"{read} {inertias[id]:.3g} kg m2)")
             for name, id in stands.items()
         ),
-        Check.that("fig8_06.stated_mass", all(wrong), mass=stated, inertias=[*inertias.values()]),
-        Check.that("fig8_06.other_mass", all(off), mass=other, forces=[quantity(x, "N") for x in forces.values()]),
-    ]
+        Check.that("fig8_06.readings", **laws, onset=near(dataset.reading_onset_force, drag, 1e-12),
+                   thresholds=every([float(ours[f"reading_{name}"]) == float(dataset[name]) for name in _THRESHOLDS])),
+        Check.that("fig8_06.stated_mass", inertias_apart=every(wrong), mass=stated, inertias=[*inertias.values()]),
+        Check.that("fig8_06.other_mass", forces_apart=every(off), mass=other,
+                   forces=[quantity(x, "N") for x in forces.values()]),
+    ]  # fmt: skip
 
 
 def draw(dataset: xr.Dataset) -> style.Figure:

@@ -10,7 +10,7 @@ from pydantic import Field
 from lsvib.answers import phase_plane, spans
 from lsvib.answers.attributes import flagged, named, variable
 from lsvib.chapter import newton, printed_laws
-from lsvib.chapter.checks import Check
+from lsvib.chapter.checks import Check, each, every, never, some
 from lsvib.chapter.common import about
 from lsvib.chapter.contact_force import Existence, existence
 from lsvib.chapter.settings import PhasePlane, Span, Values
@@ -75,35 +75,39 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     signed = beyond * np.sign(dataset.grid_w - stop).values
     none, two, edge = (named(dataset.existence, word) for word in ("inconsistent", "indeterminate", "boundary"))
     regular = ~edge & (signed != 0)
-    wrong = int(np.sum(~np.where(signed > 0, none, two) & regular))
     u, w = dataset.u.values[0, :, 0], dataset.w.values[0, :, 0]
     signs = np.sign(w - stop)
     inconsistent, first = np.sign(_beyond_line(dataset, u, w)) == signs, p.isel(event=0)
     seized = named(first.event_kind, "seizure") & (first.event_time.values == 0)
-    impulse = seized & (first.event_sign.values == signs)
     slips = np.where(signs > 0, MotionMode.SLIP_FORWARD_NEGATIVE, MotionMode.SLIP_BACKWARD_POSITIVE)
-    follows = (dataset["mode"].values[0, :, 0] == slips) & ~seized
-    least = dataset.rest_after_seizure.values[seized].min(axis=1)
+    follows = dataset["mode"].values[0, :, 0] == slips
+    seizes, rest = named(p.event_kind, "seizure"), dataset.rest_after_seizure.values
+    released = (np.cumsum(seizes, axis=1) == 1) & seizes & named(p.event_kind.shift(event=-1, fill_value=-1), "release")
+    lasts = (p.event_time.shift(event=-1) - p.event_time).where(released, 0).sum("event").values
     virtual = float(_beyond_line(dataset, float(dataset.equilibrium_angle), 0.0))
-    exists = wrong == 0 and none.any() and two.any() and regular.mean() > 0.9
     lead = p.pitch_radius * np.tan(p.lead_angle) * p.mass
     q = lead * (p.coupling_stiffness * p.grid_u + p.support_damping * p.grid_w)
     q = (q + printed_laws.inertia(p, 1) * p.axial_force) * sense  # c_x = 0, s_0 = +1
-    forces = [(np.sign(q / printed_laws.inertia(p, s) / printed_laws.lever(p, s)) * s).values for s in (1, -1)]
+    plus, minus = ((np.sign(q / printed_laws.inertia(p, s) / printed_laws.lever(p, s)) * s).values for s in (1, -1))
     law, offset = printed_laws.laws(p), p.u - p.equilibrium_angle
     energy = printed_laws.inertia(p, -1) * p.w**2 + p.coupling_stiffness * offset**2
     within = (law < 0) & (law.shift(sample=1) < 0) & (p.time > p.time.shift(sample=1))
     falls = (energy < energy.shift(sample=1)).values[within.values]
     return [
-        newton.laws_check(dataset, "Fig. 8.7"),
-        Check.that("fig8_07.existence", exists, wrong=wrong, regular=regular, none=none, two=two),
-        Check.everywhere("fig8_07.seizes", impulse[inconsistent], "starts"),
-        Check.everywhere("fig8_07.slips", follows[~inconsistent], "starts"),
-        Check.that("fig8_07.may_rest", (least > 0).any(), rests=[f"{1e3 * rest:.3g} ms" for rest in least]),
-        Check.that("fig8_07.opposite", none.any() and all((x[none] < 0).all() for x in forces), none=none),
-        Check.that("fig8_07.falls", falls.size and falls.all(), falls=falls),
-        Check.that("fig8_07.cut_short", virtual > 0, virtual=virtual),
-    ]
+        *newton.portrait_checks(dataset, "Fig. 8.7"),
+        Check.that("fig8_07.existence", states_without_solution=every(none[regular & (signed > 0)]),
+                   states_with_two=every(two[regular & (signed < 0)])),
+        Check.that("fig8_07.seizes", starts=every(seized[inconsistent]),
+                   impulses=every((first.event_sign.values == signs)[inconsistent])),
+        Check.that("fig8_07.slips", starts=every(follows[~inconsistent]), seizures=never(seized[~inconsistent])),
+        Check.that("fig8_07.may_rest", rests_at_once=some(rest[seized].min(axis=1) > 0),
+                   times=every(np.isclose(rest[:, 0], lasts, rtol=1e-9, atol=0)),
+                   rests=[f"{1e3 * x:.3g} ms" for x in rest[seized].min(axis=1)]),
+        Check.that("fig8_07.opposite", forces_by_law_plus=every(plus[none] < 0),
+                   forces_by_law_minus=every(minus[none] < 0), none=none),
+        Check.that("fig8_07.falls", steps=every(falls)),
+        Check.that("fig8_07.cut_short", virtual=each(virtual, ">", 0)),
+    ]  # fmt: skip
 
 
 def _beyond_line(dataset: xr.Dataset, u: Any, w: Any) -> Any:

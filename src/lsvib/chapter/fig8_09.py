@@ -8,7 +8,7 @@ from lsvib.answers import phase_plane, spans
 from lsvib.answers.analysis import analyse, value
 from lsvib.answers.attributes import CRITICAL_MASS, named, variable, varied
 from lsvib.chapter import newton, printed_laws
-from lsvib.chapter.checks import Check
+from lsvib.chapter.checks import Check, each, every, near
 from lsvib.chapter.common import about, spread
 from lsvib.chapter.settings import DriveChanges, PhasePlane, PositiveSpan, Values, several
 from lsvib.drives.drive import Drive
@@ -47,7 +47,7 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
     from lsvib.dynamics.sweep import all_endings
 
     drives, critical = _drives(settings), value(analysis.kinematic_constraint_mass)
-    forces = spans.even(settings["axial_force"])
+    forces = np.unique([*spans.even(settings["axial_force"]), drives[-1].axial_force])
     planes = phase_plane.portraits(settings, drives, ("mass",), _PRINTED)
     planes = planes.assign_coords(varied(swept_axial_force=forces) | {"critical_mass": ((), critical, CRITICAL_MASS)})
     swept = all_endings(ManyDrives({**dict(drives[-1]), "axial_force": forces}), settings["starts"][0])
@@ -68,20 +68,25 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     sprags, amplitude = named(dataset.attractor, "sprag slip cycle")[1], dataset.amplitude.values[1].ravel()
     forces, swept = dataset.swept_axial_force, dataset.swept_amplitude
     speed = dataset.impact_speed.values / float(-dataset.stop_velocity[1])
-    swing, swings = float(np.ptp(speed) / (speed.max() + speed.min())), spread(amplitude)
-    same = named(dataset.swept_attractor, "sprag slip cycle").all() and swing < 0.02
-    sides = gamma[0] > 0 > gamma[1] and mass[0] < critical < mass[1]
+    own, seizes = forces.values == float(dataset.axial_force), named(dataset.event_kind[1], "seizure")
+    before = dataset.event_w_before.values[1][seizes] - float(dataset.stop_velocity[1])
+    swing = each(np.ptp(speed) / (speed.max() + speed.min()), "<", 0.02)
     return [
-        newton.laws_check(dataset, "Fig. 8.9"),
-        Check.that("fig8_09.fold", sides, gamma=gamma, mass=mass, critical=critical),
-        Check.everywhere("fig8_09.decays", named(dataset.attractor, "steady sliding")[0]),
+        *newton.portrait_checks(dataset, "Fig. 8.9"),
+        Check.that("fig8_09.fold", light=each(mass[0], "<", critical), heavy=each(mass[1], ">", critical),
+                   inertias=every(np.sign(gamma) == [1, -1]),
+                   closed_form=near(dataset.critical_mass, printed_laws.critical_mass(dataset), 1e-12),
+                   gamma=gamma, mass=mass, critical=critical),
+        Check.that("fig8_09.decays", motions=every(named(dataset.attractor, "steady sliding")[0])),
         *printed_laws.steady_checks(dataset.isel(case=0)),  # c_x = 0
         printed_laws.stationary_check(dataset.isel(case=0)),
-        Check.that(
-            "fig8_09.sprag_slip", sprags.all() and swings < 1e-12, sprags=sprags, amplitude=amplitude, spread=swings
-        ),
-        Check.that("fig8_09.any_force", same, forces=forces, speed=speed, swept=swept),
-    ]
+        Check.that("fig8_09.sprag_slip", motions=every(sprags), spread=each(spread(amplitude), "<", 1e-12),
+                   amplitude=amplitude),
+        Check.that("fig8_09.any_force", cycles=every(named(dataset.swept_attractor, "sprag slip cycle")), swing=swing,
+                   amplitude_here=near(swept[own], amplitude[0], 1e-9),
+                   speed_here=near(dataset.impact_speed[own], before[-1], 1e-9),
+                   forces=forces, speed=speed, swept=swept),
+    ]  # fmt: skip
 
 
 def draw(dataset: xr.Dataset) -> style.Figure:

@@ -6,7 +6,7 @@ import xarray as xr
 from lsvib.answers import phase_plane
 from lsvib.answers.attributes import named
 from lsvib.chapter import newton
-from lsvib.chapter.checks import Check
+from lsvib.chapter.checks import Check, each, every, never, some
 from lsvib.chapter.common import about
 from lsvib.chapter.settings import Damping, PhasePlane, Values, several
 from lsvib.drives.drive import Drive
@@ -39,19 +39,20 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     seizes = named(dataset.event_kind, "seizure") & (dataset.event_time > 0)
     slope, offset = dataset.contact_line_slope, dataset.contact_line_angle
     terms = [dataset.event_u_before, -slope * dataset.event_w_before, -offset]
-    worst = float((abs(sum(terms)) / sum(abs(term) for term in terms)).where(seizes).max())
-    impulse = float(dataset.event_normal_impulse.where(seizes).min())
-    reversals = int(named(dataset.event_kind, "contact reversal").sum())
-    falls = (np.diff(damping) > 0).all() and (np.diff(amplitude, axis=0) < 0).all()
+    worst = (abs(sum(terms)) / sum(abs(term) for term in terms)).where(seizes).max()
+    impulse = dataset.event_normal_impulse.where(seizes).min()
     pairs = zip(amplitude[:, 0].max(axis=1), damping, strict=True)
     words = [f"{a:.5g} rad at c = {c:g} N m s/rad" for a, c in pairs]
     return [
-        newton.laws_check(dataset, "Fig. 8.11"),
-        Check.everywhere("fig8_11.sprag_slip", named(dataset.attractor, "sprag slip cycle")),
-        Check.that("fig8_11.amplitude", falls, amplitudes=words, less=1 - amplitude[-1].max() / amplitude[0].max()),
-        Check.that("fig8_11.line", seizes.any() and worst <= 1e-14, worst=worst, seizures=seizes),
-        Check.that("fig8_11.seizes", reversals == 0 and impulse > 0, reversals=reversals, impulse=impulse),
-    ]
+        *newton.portrait_checks(dataset, "Fig. 8.11"),
+        Check.that("fig8_11.sprag_slip", motions=every(named(dataset.attractor, "sprag slip cycle"))),
+        Check.that("fig8_11.amplitude", dampings=each(np.diff(damping), ">", 0),
+                   steps=each(np.diff(amplitude, axis=0), "<", 0), amplitudes=words,
+                   less=1 - amplitude[-1].max() / amplitude[0].max()),
+        Check.that("fig8_11.line", seizures=some(seizes), worst=each(worst, "<=", 1e-14)),
+        Check.that("fig8_11.seizes", reversals=never(named(dataset.event_kind, "contact reversal")),
+                   impulse=each(impulse, ">", 0)),
+    ]  # fmt: skip
 
 
 def draw(dataset: xr.Dataset) -> style.Figure:

@@ -5,10 +5,10 @@ import xarray as xr
 
 from lsvib.answers import phase_plane
 from lsvib.answers.attributes import drive_parameters, named, start_state, variable
-from lsvib.chapter import newton
-from lsvib.chapter.checks import Check
-from lsvib.chapter.common import CRITICAL_MASS_WITH_CONTACT, SteadyState, about, critical_mass_with_contact
-from lsvib.chapter.fig8_10 import cycle_curves, cycle_motion
+from lsvib.chapter import newton, printed_laws
+from lsvib.chapter.checks import Check, each, every, near
+from lsvib.chapter.common import CRITICAL_MASS_WITH_CONTACT, about, critical_mass_with_contact
+from lsvib.chapter.contact_stability import crossing
 from lsvib.chapter.settings import Contact, DriveFigure, Samples, State, Values, several
 from lsvib.drives.drive import Drive
 from lsvib.drives.mechanics import coefficients
@@ -21,13 +21,6 @@ with a rigid one (see contact_stability).
 """
 
 _CONTACT = ("contact_stiffness", "contact_damping")
-_NUMBERS = {
-    "largest_deflection": ("rad", "largest coupling deflection on the cycle", "$z$"),
-    "sprag_deflection": ("rad", "largest coupling deflection during sprag", "$z$"),
-    "largest_acceleration": ("rad s-2", "largest angular acceleration on the cycle", r"$|\ddot\theta|$"),
-    "period": ("s", "period of the steady vibration", "$T$"),
-    "period_residual": ("1", "relative change of the section state over a period"),
-}
 _COLOURS = (style.BLUE, style.ORANGE, style.VERMILION, style.GREEN)
 _DASHES = ("-", (0, (5, 1.5)), (0, (3, 1, 1, 1)), (0, (1, 1)))
 
@@ -44,13 +37,12 @@ def build(settings: Values) -> xr.Dataset:
     drive, start = Drive.of(settings["drive"], **dict.fromkeys(_CONTACT)), settings["start"]
     contacts = [drive.replace(**contact) for contact in settings["contacts"]]
     cycles = [phase_plane.reached(contact, start) for contact in contacts]
-    numbers = np.array([_numbers(cycle) for cycle in cycles]).T
     steady, critical = float(coefficients(drive).deflection), [critical_mass_with_contact(c) for c in contacts]
     return xr.Dataset(
-        cycle_curves(("contact",), cycles, settings["samples"])
-        | cycle_curves((), [phase_plane.reached(drive, start)], settings["samples"], "rigid_cycle")
+        phase_plane.cycle_curves(("contact",), cycles, settings["samples"])
+        | phase_plane.cycle_curves((), [phase_plane.reached(drive, start)], settings["samples"], "rigid_cycle")
         | {"attractor": phase_plane.attractors("contact", [cycle.label for cycle in cycles])}
-        | {name: variable("contact", x, *words) for (name, words), x in zip(_NUMBERS.items(), numbers, strict=True)},
+        | {"period": variable("contact", [cycle.period for cycle in cycles], "s", phase_plane.PERIOD, "$T$")},
         coords={
             **drive_parameters(contacts, "contact", along=_CONTACT, printed=("Sect. 8.6", "Sect. 8.6.1")),
             **start_state(start, "with a seated contact: of the motions whose cycles are found"),
@@ -61,42 +53,32 @@ def build(settings: Values) -> xr.Dataset:
     )
 
 
-def _numbers(steady: SteadyState) -> list[float]:
-    """The values of ``_NUMBERS`` of one attractor; nan without a cycle."""
-    from lsvib.systems.attractor import orbit_extremes
-
-    if steady.orbit is None:
-        return [np.nan] * len(_NUMBERS)
-    automaton = steady.orbit.automaton
-    deflection = automaton.observables["coupling_deflection"]
-    sprags = automaton.marked(automaton.codes, "jam")
-    return [
-        steady.extremes(deflection)[1],
-        orbit_extremes(steady.orbit, deflection, sprags)[1],
-        max(map(abs, steady.extremes(automaton.tables.flow.field[:, 1]))),
-        steady.period,
-        steady.residual,
-    ]
-
-
 def checks(dataset: xr.Dataset) -> list[Check]:
     """Check that softer contacts give smoother cycles, and that with the softest the deflection turns positive."""
-    deflection, sprag = dataset.largest_deflection.values, dataset.sprag_deflection.values
-    fastest, critical = dataset.largest_acceleration.values, dataset.critical_mass_with_contact.values
-    sprags, residual = named(dataset.attractor, "sprag slip cycle"), float(dataset.period_residual.max())
-    mass = float(dataset.mass)
-    lasts = {"sprag": sprag[-1], "whole": deflection[-1]}
-    during = sprag[-1] > 0 and abs(sprag[-1] - deflection[-1]) <= 1e-12
-    below = (critical < mass).all() and (np.diff(critical) < 0).all()
+    critical, mass = dataset.critical_mass_with_contact.values, float(dataset.mass)
+    cycles = newton.cycle_motion(dataset)
+    z, speed = cycles.u + dataset.steady_deflection, cycles.w + cycles.input_speed
+    force, sense = cycles.normal_force, np.sign(speed.where(speed != 0, speed.shift(sample=1)))  # of what stops: before
+    push = sense * np.sign(force) * cycles.friction_coefficient * np.cos(cycles.lead_angle) - np.sin(cycles.lead_angle)
+    torque = -cycles.coupling_stiffness * z - cycles.support_damping * speed - cycles.pitch_radius * force * push
+    fastest = abs(torque / cycles.screw_inertia).where(abs(sense) == 1).max("sample").values  # θ″
+    largest, jams = z.max("sample").values, (speed > 0) & (force > 0)  # under law +
+    sprag = float(z.where(jams)[-1].max())
+    crosses = crossing(newton.parameters(dataset), critical, {name: dataset[name].values for name in _CONTACT})
+    place, steady = "Sect. 8.6.1, Fig. 8.13", printed_laws.steady_deflection(dataset)
     return [
-        newton.laws_check(cycle_motion(dataset), "Sect. 8.6.1, Fig. 8.13", "cycle"),
-        newton.laws_check(cycle_motion(dataset, "rigid_cycle"), "Sect. 8.6.1, Fig. 8.13", "cycle of the rigid drive"),
-        Check.that("fig8_13.repeats", sprags.all() and residual <= 1e-9, sprags=sprags, residual=residual),
-        Check.that("fig8_13.critical_mass", below, mass=mass, critical=critical),
-        Check.that("fig8_13.smoother", (np.diff(fastest) < 0).all(), times=1e6 * float(dataset.input_speed) / fastest),
-        Check.that("fig8_13.positive", deflection[-1] > 0 > deflection[:-1].max(), largest=deflection),
-        Check.that("fig8_13.during_sprag", during, **lasts),
-    ]
+        newton.cycle_check(dataset, place, period=dataset.period),
+        newton.cycle_check(dataset, place, "rigid_cycle"),
+        Check.that("fig8_13.repeats", cycles=every(named(dataset.attractor, "sprag slip cycle"))),
+        Check.that("fig8_13.critical_mass", largest=each(critical, "<", mass), steps=each(np.diff(critical), "<", 0),
+                   crossings=every((crosses > 0) == [False, True]), mass=mass, critical=critical),
+        Check.that("fig8_13.smoother", steps=each(np.diff(fastest), "<", 0),
+                   times=1e6 * float(dataset.input_speed) / fastest),
+        Check.that("fig8_13.positive", softest=each(largest[-1], ">", 0), stiffer=each(largest[:-1], "<", 0),
+                   steady_deflection=near(dataset.steady_deflection, steady, 1e-12), largest=largest),
+        Check.that("fig8_13.during_sprag", sprag=each(sprag, ">", 0), gap=each(abs(sprag - largest[-1]), "<=", 1e-12),
+                   whole=largest[-1]),
+    ]  # fmt: skip
 
 
 def draw(dataset: xr.Dataset) -> style.Figure:

@@ -11,7 +11,7 @@ from lsvib.answers import spans
 from lsvib.answers.analysis import analyse, value
 from lsvib.answers.attributes import drive_parameters, flagged, named, variable, varied
 from lsvib.chapter import newton, printed_laws
-from lsvib.chapter.checks import Check
+from lsvib.chapter.checks import Check, each, every, never, some
 from lsvib.chapter.common import about, over_map, printed, thinned
 from lsvib.chapter.settings import DriveFigure, PositiveSpan, Span, Values, parameter
 from lsvib.drives import chapter
@@ -164,19 +164,19 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     holds = np.broadcast_arrays(p.a_4 < 0, p.discriminant < 0, (p.a_4 > 0) & (p.a_2 > 0))
     printed_kinds = [UndampedClass.KINEMATIC_CONSTRAINT, UndampedClass.FLUTTER, UndampedClass.DIVERGENCE]
     by_print = np.select(holds, printed_kinds, UndampedClass.STABLE)
-    wrong = int(np.sum(clear & (by_print != dataset.stability.values)))
+    wrong = by_print != dataset.stability.values
     theirs = eigenvalues(over_map(part, drive), law=1)
     limit = 1e-7 * np.abs(theirs).max(axis=-1)  # LAPACK keeps 1.5e-8 where two coincide
     growing, oscillates = (theirs.real > limit[..., None]).sum(axis=-1), np.abs(theirs[..., -1].imag) > limit
     kinds = [UndampedClass.STABLE, UndampedClass.FLUTTER, UndampedClass.KINEMATIC_CONSTRAINT]
     classes = np.select([growing == 0, oscillates, growing == 1], kinds, UndampedClass.DIVERGENCE)
-    differ, counts = part.clear.values & (classes != part.stability.values), {"clear": clear, "unclear": ~clear}
+    differ = classes != part.stability.values
     return [
         Check.of("fig8_15.critical_friction", critical),
         Check.of("fig8_15.eigenvalue", float(dataset.critical_friction_by_eigenvalues), expected=critical),
-        Check.that("fig8_15.vertical", not off.any() and kinematic.any(), off=off),
-        Check.that("fig8_15.classes", wrong == 0 and clear.mean() > 0.99, wrong=wrong, **counts),
-        Check.without_exception("fig8_15.lapack", differ.sum(), part.clear.sum()),
+        Check.that("fig8_15.vertical", exceptions=never(off), kinematic_points=some(kinematic)),
+        Check.that("fig8_15.classes", exceptions=never(wrong[clear])),
+        Check.that("fig8_15.lapack", exceptions=never(differ[part.clear.values])),
         *_boundary_checks(dataset, drive, p),
         *_support_checks(dataset, drive),
     ]
@@ -188,37 +188,36 @@ def _boundary_checks(dataset: xr.Dataset, drive: Values, p: SimpleNamespace) -> 
     By the signs of a_4 and the discriminant of (8.24).
     """
     kinds = ("flutter", "kinematic constraint", "divergence")
+    discriminant, a_4 = np.broadcast_arrays(p.discriminant, p.a_4)
     flutter, kinematic, divergence = (named(dataset.stability, kind) for kind in kinds)
-    both = int(np.sum((p.discriminant < 0) & kinematic) + np.sum((p.a_4 < 0) & flutter))
     friction, k = dataset.friction_coefficient.values, drive["coupling_stiffness"]
     ends = [dataset[f"{name}_boundary"] for name in ("lower", "upper")]
     lower, upper = (end.reindex(boundary_friction_coefficient=friction).values[:, None] for end in ends)
     stiffness = dataset.support_stiffness.values
     beyond = (stiffness > upper) & (p.inertia < 0)
     judged = dataset.clear.values & ~kinematic
-    off = judged & ((flutter != ((stiffness > lower) & (stiffness < upper))) | (divergence != beyond))
-    apart = both == 0 and flutter.any() and kinematic.any()
     first = friction[divergence.argmax(axis=0)[divergence.any(axis=0)]]  # by the stiffness of the support
     rigid = friction[p.inertia[:, 0] < 0].min(initial=np.inf)
-    grows = first.size > 1 and (np.diff(first) <= 0).all() and rigid <= first[-1] < first[0]
+    odd_flutter = (flutter != ((stiffness > lower) & (stiffness < upper)))[judged]
     branches = [end.values for end in ends]
     p = _printed({**drive, "friction_coefficient": dataset.boundary_friction_coefficient.values})
     terms = [np.array([p.b_1 * x**2, p.b_2 * k * x, p.b_3 * k**2 * np.ones_like(x)]) for x in branches]
-    residual = max(np.max(np.abs(term.sum(axis=0)) / np.abs(term).max(axis=0)) for term in terms)
-    finite = np.isfinite(branches[0]) & ~np.isnan(branches[1])
+    residual = [np.abs(term.sum(axis=0)) / np.abs(term).max(axis=0) for term in terms]
     p = _printed({**drive, "friction_coefficient": friction})
     roots = p.b_2**2 - 4 * p.b_1 * p.b_3
-    rewritten = np.max(np.abs(roots - 16 * p.lever * p.mass**2 * p.total * p.reduced) / p.b_2**2)
+    rewritten = np.abs(roots - 16 * p.lever * p.mass**2 * p.total * p.reduced) / p.b_2**2
     clear = np.abs(roots) > 1e-9 * p.b_2**2  # else (8.30) is zero to rounding
-    odd = clear & (((roots >= 0) & (p.b_2 < 0)) != ((p.reduced >= 0) & (p.lever > 0)))
-    real = not odd.any() and finite.all() and rewritten < 1e-12
+    odd = ((roots >= 0) & (p.b_2 < 0)) != ((p.reduced >= 0) & (p.lever > 0))
     return [
-        Check.that("fig8_15.apart", apart, both=both, flutter=flutter, kinematic=kinematic),
-        Check.that("fig8_15.branches", not off.any(), off=off, judged=judged, divergence=divergence),
-        Check.that("fig8_15.third", grows, first=first, rigid=rigid),
-        Check.that("fig8_15.quadratic", residual < 1e-11, residual=residual),
-        Check.that("fig8_15.real", real, odd=odd, finite=finite, rewritten=rewritten),
-    ]
+        Check.that("fig8_15.apart", flutter_points=some(flutter), kinematic_points=some(kinematic),
+                   both_in_flutter=never(a_4[flutter] < 0), both_in_kinematic=never(discriminant[kinematic] < 0)),
+        Check.that("fig8_15.branches", exceptions=never(odd_flutter),
+                   exceptions_beyond=never((divergence != beyond)[judged]), divergence=divergence),
+        Check.that("fig8_15.third", steps=each(np.diff(first), "<=", 0), lowered=each(first[-1:] - first[:1], "<", 0),
+                   above_rigid=each(first[-1:] - rigid, ">=", 0), first=first, rigid=rigid),
+        Check.that("fig8_15.quadratic", lower=each(residual[0], "<", 1e-11), upper=each(residual[1], "<", 1e-11)),
+        Check.that("fig8_15.real", exceptions=never(odd[clear]), rewritten=each(rewritten, "<", 1e-12)),
+    ]  # fmt: skip
 
 
 def _support_checks(dataset: xr.Dataset, drive: Values) -> list[Check]:
@@ -240,16 +239,15 @@ def _support_checks(dataset: xr.Dataset, drive: Values) -> list[Check]:
     kinds = undamped_class({**own, "support_stiffness": np.where(there, stiffness, 1.0)}, law=1)
     early = kinematic[own["friction_coefficient"] <= tan]
     minus = _printed(own, law=-1)
-    against = np.min(np.concatenate([minus.inertia, minus.reduced]))
-    necessary = not early.any() and against >= drive["screw_inertia"]
+    against = np.concatenate([minus.inertia, np.ravel(minus.reduced)])
     rigid = {name: value for name, value in drive.items() if name not in PART_OF}
     locked = Drive.of(rigid, friction_coefficient=float(dataset.critical_friction))
     critical_mass = [*place_values(locked, "kinematic_constraint", "mass"), np.nan][0]
     return [
-        Check.that("fig8_15.necessary", necessary, early=early, against=against),
+        Check.that("fig8_15.necessary", points=never(early), against=each(against, ">=", drive["screw_inertia"])),
         Check.of("fig8_15.reduced_mass", critical_mass, expected=together(drive["mass"], drive["screw_mass"])),
-        Check.everywhere("fig8_15.paradoxes", kinematic == paradox[:, None], "points"),
-        Check.everywhere("fig8_15.flutter", kinds[there] == UndampedClass.FLUTTER, "friction coefficients"),
+        Check.that("fig8_15.paradoxes", points=every(kinematic == paradox[:, None])),
+        Check.that("fig8_15.flutter", frictions=every(kinds[there] == UndampedClass.FLUTTER)),
     ]
 
 

@@ -15,7 +15,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from lsvib.chapter.checks import Check
+from lsvib.answers.attributes import named
+from lsvib.chapter import printed_laws
+from lsvib.chapter.checks import Check, each, every
 from lsvib.drives.drive import Drive
 
 TOLERANCE = 1e-10  # of the largest magnitude on the motion; rounding leaves 3e-14 with rigid threads, 3e-12 with others
@@ -36,11 +38,7 @@ def residual(motion: xr.Dataset) -> float:
     p, time, force = parameters(motion), motion.time.values, motion.normal_force.values
     if np.isnan(time).any():  # of a cycle that is not there
         return np.nan
-    lead = p["pitch_radius"] * np.tan(p["lead_angle"])
-    push = p["axial_force"] - lead * p["translation_damping"] * p["input_speed"]  # R less the drag of the nut
-    field, *_ = equations(p, 1 if push * p["input_speed"] >= 0 else -1, False)
-    steady = -(field[1, 1] * p["input_speed"] + field[1, 2]) / field[1, 0]  # z_0, where θ″ = 0 at the input speed
-    deflection = motion.u.values + steady
+    deflection = motion.u.values + float(printed_laws.steady_deflection(motion))
     speed, more = motion.w.values + p["input_speed"], [n for n in _THREADS if n in motion]
     states = np.stack([deflection, speed, *(motion[n].values for n in more), 1 + 0 * time], 1)
     sizes = np.abs(states).max(axis=0)
@@ -70,12 +68,73 @@ def residual(motion: xr.Dataset) -> float:
 
 def laws_check(motions: xr.Dataset, source: str, what: str = "motion") -> Check:
     """Check Newton's laws along every motion of a dataset, along its dimension ``sample``; ``what``: its name."""
+    worst = _residuals(motions)
+    words = {"what": what, "limit": TOLERANCE, "place": source, "motions": worst.size}
+    return Check.that("newton.laws", worst=each(worst, "<=", TOLERANCE), **words)
+
+
+def _residuals(motions: xr.Dataset) -> np.ndarray:
     needed = motions[[name for name in (*_MOTION, *Drive.model_fields) if name in motions]]
     many = {dim: size for dim, size in needed.sizes.items() if dim != "sample"}
     places = [dict(zip(many, index, strict=True)) for index in np.ndindex(*many.values())]
-    worst = np.max([residual(needed.isel(place)) for place in places])
-    words = {"what": what, "limit": TOLERANCE, "place": source, "motions": len(places)}
-    return Check.that("newton.laws", worst <= TOLERANCE, worst=worst, **words)
+    return np.array([residual(needed.isel(place)) for place in places])
+
+
+def portrait_checks(planes: xr.Dataset, source: str) -> list[Check]:
+    """Check phase planes: motions, their events, the lines N = 0 and θ′ = 0 with Γ₊, and limit cycles if there are."""
+    speed = xr.DataArray([0.0, 1.0], dims="end") * planes.input_speed
+    angle = planes.contact_line_angle + planes.contact_line_slope * (speed - planes.input_speed)
+    parts = printed_laws.drift(planes, angle + printed_laws.steady_deflection(planes), speed)
+    gap = (planes.effective_inertia_plus - printed_laws.inertia(planes, 1)) / planes.screw_inertia
+    lines = Check.that("newton.lines", place=source, line=each(abs(sum(parts)) / sum(map(abs, parts)), "<", 1e-12),
+                       standstills=every(planes.stop_velocity == -planes.input_speed),
+                       inertia=each(abs(gap), "<", 1e-12))  # fmt: skip
+    checks = [laws_check(planes, source), lines, _events_check(planes, source)]
+    if "cycle_time" in planes:
+        vibrates = np.isfinite(planes.cycle_time[:, 0].values)
+        checks.append(cycle_check(planes.isel(case=vibrates), source, amplitude=planes.amplitude, period=planes.period))
+    return checks
+
+
+def _events_check(planes: xr.Dataset, source: str) -> Check:
+    """Check that an event is two samples of its motion, and its impulses by the momenta of screw and nut."""
+    times, clauses = planes.event_time, {}
+    for when in ("before", "after"):
+        same = times == planes.time
+        for name in ("u", "w"):
+            same &= planes[f"event_{name}_{when}"] == planes[name]
+        clauses[f"states_{when}"] = every(times.isnull() | same.any("sample"))
+    fall = planes.event_w_before - planes.event_w_after
+    fall = fall.where(named(planes.event_kind, "seizure"), 0.0)
+    torque, axial = planes.screw_inertia * fall, planes.mass * planes.pitch_radius * np.tan(planes.lead_angle) * fall
+    normal = axial * np.cos(planes.lead_angle) - torque / planes.pitch_radius * np.sin(planes.lead_angle)
+    for name, impulse in (("torque", torque), ("axial", axial), ("normal", normal)):
+        right = abs(planes[f"event_{name}_impulse"] - impulse) <= 1e-12 * abs(impulse)
+        clauses[f"{name}_impulses"] = every(times.isnull() | right)
+    return Check.that("newton.events", place=source, **clauses)
+
+
+def cycle_check(dataset: xr.Dataset, source: str, prefix: str = "cycle", **stated: Any) -> Check:
+    """Check Newton's laws along cycles, that they close, and their ``amplitude`` and ``period`` as far as stated."""
+    cycles = cycle_motion(dataset, prefix)
+    low, high = cycles.min("sample"), cycles.max("sample")
+    clauses = {"residual": each(_residuals(cycles), "<=", TOLERANCE)}
+    for name in ("u", "w", *(name for name in _THREADS if name in cycles)):
+        gap = cycles[name].isel(sample=-1) - cycles[name].isel(sample=0)
+        clauses[f"gap_of_{name}"] = each(abs(gap / (high - low)[name]), "<", 1e-9)
+    # The largest deviation may lie between two samples.
+    seen = {"amplitude": ((high - low).u / 2, 1e-3), "period": (high.time - low.time, 1e-12)}
+    for name, known in stated.items():
+        known, expected = (x.fillna(0) for x in xr.broadcast(known, seen[name][0]))  # without a cycle both are zero
+        clauses[f"{name}s"] = every(abs(known - expected) <= seen[name][1] * expected)
+    return Check.that("newton.cycle", place=source, what=f"{prefix.replace('_', ' ')}s", limit=TOLERANCE, **clauses)
+
+
+def cycle_motion(dataset: xr.Dataset, prefix: str = "cycle") -> xr.Dataset:
+    """Return cycles that a dataset has as curves under the names of motions, with the parameters of their drives."""
+    names = [str(name) for name in dataset.variables if str(name).startswith(f"{prefix}_")]
+    cycles = dataset[[*names, *(name for name in Drive.model_fields if name in dataset)]]
+    return cycles.rename({name: name.removeprefix(f"{prefix}_") for name in (*names, f"{prefix}_sample")})
 
 
 def touching_check(drive: xr.Dataset, law: int, force: Any, words: str) -> Check:
@@ -103,6 +162,16 @@ def touching_force(p: Mapping[str, float], law: int) -> Any:
     r, (sin, cos) = p["pitch_radius"], (f(p["lead_angle"]) for f in (np.sin, np.cos))
     carried = -(law * force).min() * law * (cos + law * p["friction_coefficient"] * sin)
     return carried + r * sin / cos * p["translation_damping"] * speed
+
+
+def touching_area(p: Mapping[str, float]) -> float:
+    """Return the area [rad²/s] between N = 0 and the slip under law − that touches it, backwards from N = N′ = 0."""
+    field, normal, _ = equations(p, -1, False)
+    touch = np.linalg.solve([normal, normal @ field, np.eye(3)[2]], [0.0, 0.0, 1.0])
+    slip = _exponentials(-field, np.linspace(0, 2 * np.pi / np.sqrt(-field[1, 0]), 4001)) @ touch
+    back = 2 + np.flatnonzero((slip @ normal)[2:] > 0)[0]
+    z, speed, _ = slip[: back + 1].T
+    return float(abs(np.sum(z * np.roll(speed, 1) - speed * np.roll(z, 1)))) / 2
 
 
 def equations(p: Mapping[str, float], law: int, compliant: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -9,7 +9,7 @@ from pydantic import Field
 from lsvib.answers import attributes as cf
 from lsvib.answers import spans
 from lsvib.chapter import newton, printed_laws
-from lsvib.chapter.checks import Check
+from lsvib.chapter.checks import Check, each, every, near, never
 from lsvib.chapter.common import about, bisected, over_map, thinned
 from lsvib.chapter.settings import DriveFigure, PositiveSpan, Span, Values
 from lsvib.drives import chapter
@@ -110,7 +110,6 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     inertia, rigid = dataset.nut_inertia.values, float(dataset.critical_mass)
     mass, passing = dataset.critical_mass_with_nut.values, dataset.critical_mass_with_nut_by_eigenvalues.values
     factor = mass / rigid * (drive["screw_inertia"] + inertia) / inertia
-    lowers = (np.diff(mass) > 0).all() and mass[-1] < rigid < mass[-1] * (1 + 0.01)
     p = dataset.drop_vars("friction_coefficient").rename(drawn_friction_coefficient="friction_coefficient")
     printed_moment = float(p.pitch_radius * printed_laws.factor(p, 1) * p.axial_force)  # R Ω > 0, F_0 = T_0 = 0
     force, (mu, angle) = p.axial_force / printed_laws.lever(p, 1), (p.friction_coefficient, p.lead_angle)
@@ -121,37 +120,37 @@ def checks(dataset: xr.Dataset) -> list[Check]:
         *_class_checks(dataset, drive),
         Check.of("nut_stability.lowered", factor, expected=1.0),
         Check.of("nut_stability.eigenvalues", passing / mass, expected=1.0),
-        Check.that("nut_stability.light", lowers, masses=mass, rigid=rigid),
+        Check.that("nut_stability.light", steps=each(np.diff(mass), ">", 0), lowered=each(mass[-1], "<", rigid),
+                   heavy_nut=near(mass[-1], rigid, 0.01), masses=mass, rigid=rigid),
         Check.of("nut_stability.deflection", on_screw / turns, expected=1.0),
-        Check.that("nut_stability.balance", plus < 1e-12 < minus, plus=plus, minus=minus),
-    ]
+        Check.that("nut_stability.balance", plus=each(plus, "<", 1e-12), minus=each(minus, ">", 1e-12)),
+    ]  # fmt: skip
 
 
 def _class_checks(dataset: xr.Dataset, drive: Values) -> list[Check]:
     """Check the classes by (8.33), its boundary in closed form, the printed inertia matrix and LAPACK with damping."""
     grid = over_map(dataset, drive)
     screw, reduced = _reduced(grid)
-    clear = np.abs(reduced) > 1e-9 * screw  # closer to (8.33) rounding may decide
+    clear, holds = np.abs(reduced) > 1e-9 * screw, reduced < 0  # closer to (8.33) rounding may decide
     kinematic, other = (cf.named(dataset.stability, *x) for x in (["kinematic constraint"], ["flutter", "divergence"]))
     part = thinned(dataset.assign(clear=(dataset.stability.dims, clear)), 40)
-    wrong = int(np.sum(clear & (kinematic != (reduced < 0))))
     grows = eigenvalues(over_map(part, drive), law=1)[..., -1].real > 0
-    differ = part.clear.values & (grows != cf.named(part.stability, "kinematic constraint"))
-    opposite = np.sum(clear & ((polynomial(grid, law=1)[0] < 0) != kinematic))
+    differ = (grows != cf.named(part.stability, "kinematic constraint"))[part.clear.values]
+    opposite = (polynomial(grid, law=1)[0] < 0) != kinematic
     edge, friction = dataset.critical_friction_with_nut.values, dataset.friction_coefficient.values[:, None]
-    off = np.sum(clear & (kinematic != (friction > edge)))  # no edge: none
+    off = kinematic != (friction > edge)  # no edge: none
     on_edge = {**drive, "friction_coefficient": edge, "nut_inertia": dataset.nut_inertia.values}
     screw, reduced = _reduced(on_edge)
-    left = float(np.nanmax(np.abs(reduced) / screw))
-    holds = wrong == 0 and 0 < kinematic.sum() < kinematic.size
+    left = (np.abs(reduced) / screw)[np.isfinite(edge)]
     return [
-        Check.that("nut_stability.classes", holds, wrong=wrong, clear=clear, kinematic=kinematic),
-        Check.everywhere("nut_stability.no_other", ~other, "points"),
-        Check.without_exception("nut_stability.determinant", opposite, clear.sum()),
-        Check.without_exception("nut_stability.damped", differ.sum(), part.clear.sum()),
-        Check.without_exception("nut_stability.boundary", off, clear.sum()),
-        Check.that("nut_stability.equality", left < 1e-12, left=left, edge=np.isfinite(edge)),
-    ]
+        Check.that("nut_stability.classes", kinematic_points=every(kinematic[clear & holds]),
+                   other_kinematic_points=never(kinematic[clear & ~holds])),
+        Check.that("nut_stability.no_other", flutter_or_divergence=never(other)),
+        Check.that("nut_stability.determinant", exceptions=never(opposite[clear])),
+        Check.that("nut_stability.damped", exceptions=never(differ)),
+        Check.that("nut_stability.boundary", exceptions=never(off[clear])),
+        Check.that("nut_stability.equality", left=each(left, "<", 1e-12), edge=np.isfinite(edge)),
+    ]  # fmt: skip
 
 
 def draw(dataset: xr.Dataset) -> style.Figure:
