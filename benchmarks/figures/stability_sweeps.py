@@ -212,7 +212,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     axes["d"].set(title="(d) next to the edges", xlabel="log$_{10}$ of the relative distance", xlim=(-17, -1))
     _edges(axes["e"], dataset, digits, asked, _LAWS)
     axes["e"].set(title="(e) transition of a law", xlabel="log$_{10}$ of the relative speed")
-    axes["d"].set_ylabel("Digits of the final state")
+    axes["d"].set_ylabel("Correct digits")
     _energy(axes["f"], dataset)
     return figure
 

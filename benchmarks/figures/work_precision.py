@@ -298,8 +298,9 @@ def _ratio_panel(axes: Axes, dataset: xr.Dataset, names: list[str]) -> None:
 
 def _panel(axes: Axes, scene: xr.Dataset, names: list[str], right: int) -> None:
     """Draw the methods of a scene: a line joins runs with the true motion, from one setting to the next."""
-    axes.margins(x=0.1)
-    axes.set(xscale="log", yscale="log", ylim=(_LEAST / 3, 30))
+    seconds = scene.run_time_quartiles.values[[name in _STYLES for name in names]]
+    limits = np.nanmin(seconds) / 2, np.nanmax(seconds) * 2
+    axes.set(xscale="log", yscale="log", xlim=limits, ylim=(_LEAST / 3, 30))
     axes.set_yticks([1e-15, 1e-12, 1e-9, 1e-6, 1e-3, 1.0])
     for k, name in enumerate(names):
         if name not in _STYLES:
@@ -314,11 +315,13 @@ def _panel(axes: Axes, scene: xr.Dataset, names: list[str], right: int) -> None:
         axes.plot(np.where(good, seconds, np.nan), np.where(good, error, np.nan), color=colour, linestyle=dashes,
                   linewidth=0.7, alpha=0.8)  # fmt: skip
         face = "white" if dashes == ":" else colour
-        axes.scatter(seconds[good], error[good], sizes[good], face, marker, edgecolors=colour, linewidths=0.7, zorder=3)
+        axes.scatter(
+            seconds[good], error[good], sizes[good], face, marker=marker, edgecolors=colour, linewidths=0.7, zorder=3
+        )
         axes.errorbar(
             seconds[good], error[good], xerr=_bars(quarters[good]), color=colour, linestyle="", elinewidth=0.7
         )
-        axes.scatter(seconds[ran & ~good], error[ran & ~good], sizes[ran & ~good], colour, "x", linewidths=0.8)
+        axes.scatter(seconds[ran & ~good], error[ran & ~good], sizes[ran & ~good], colour, marker="x", linewidths=0.8)
     _gave_up(axes, scene)
 
 
