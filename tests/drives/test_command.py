@@ -23,7 +23,7 @@ def followed(drive: Drive, start: np.ndarray, duration: float, command: Command 
 
 @pytest.mark.parametrize("resume", ["contact_sign", "at_once"])
 def test_seizures_go_on_under_a_command(resume):
-    """In the Painlevé region a constant command seizes as the rigid drive does, by either rule of resuming."""
+    """In the Painlevé region a constant command seizes as the rigid drive does, by either resume rule."""
     drive = PARADOX
     plain = followed(drive, np.array([0.1, 0.0]), 0.1, resume=resume)
     motion = followed(drive, np.array([0.1, 0.0]), 0.1, Command(times=[0.02, 0.03], speeds=[40, 40]), resume)

@@ -85,7 +85,7 @@ _WORKS = ("motor", "load", "friction", "damping", "impacts")
 
 
 def find_cycles(drive: Drive, automaton: Automaton) -> Cycles:
-    """Return all cycles of a drive that are found; ``automaton`` is the drive's, with its rule of resuming.
+    """Return all cycles of a drive that are found; ``automaton`` is the drive's, with its resume rule.
 
     From starts, on the edges of basins, and at the boundary of the basin of steady sliding where that is known.
     """

@@ -33,7 +33,7 @@ ATTRACTOR = "attractor that the motion reaches"
 PERIOD = "period of the steady vibration"
 AMPLITUDE = "amplitude of the steady vibration, half its peak-to-peak"
 GLOBAL_STABILITY = "axial force beyond which steady sliding is globally stable"
-RULE = cf.named_index("rule", "rule of resuming after a seizure", RULES)
+RULE = cf.named_index("rule", "resume rule after a seizure", RULES)
 
 
 def grid_axes(angle: np.ndarray, velocity: np.ndarray) -> cf.Variables:
@@ -82,7 +82,7 @@ def orbits(motions: Sequence[Motion]) -> cf.Variables:
 
 
 def reached(drive: Drive, start: Mapping[str, float], resume: Resume = RULES[0]) -> SteadyState:
-    """Return what the motion from u [rad] and w [rad/s], else as in steady sliding, ends in by a rule of resuming."""
+    """Return what the motion from u [rad] and w [rad/s], else as in steady sliding, ends in by a resume rule."""
     from lsvib.systems.attractor import steady_state
 
     return steady_state(automaton_of(drive, resume), model_of(drive).initial_state(drive, start))

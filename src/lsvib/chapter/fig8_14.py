@@ -3,7 +3,7 @@
 The text states m = 10 kg, for which Γ₊ > 0, but Sect. 8.7 assumes Γ₊ < 0: the same two forces are also computed for
 a mass beyond m_cr.
 
-Beyond m_cr seizures accumulate in the corner θ′ = 0 = Q, as the chapter reads its rule of resuming. With the line N = 0
+Beyond m_cr seizures accumulate in the corner θ′ = 0 = Q, as the chapter reads its resume rule. With the line N = 0
 as u = u_0 + σ (u′ + Ω), σ < 0, and the acceleration −a, a reverse slip from a distance d lasts d / (Ω + |σ| a) to first
 order, so the distances fall with the ratio q = |σ| a / (Ω + |σ| a): infinitely many seizures in finite time.
 """

@@ -46,7 +46,7 @@ def automaton_of(
 ) -> Automaton:
     """Return the automaton of a drive, also under a command; without ``rest`` that of slip as the motor turns alone.
 
-    Raises ``InputError`` for a rule of resuming that is known of the rigid drive only, where rest cannot be left out,
+    Raises ``InputError`` for a resume rule that is known of the rigid drive only, where rest cannot be left out,
     or a dry friction leaves the motion undetermined; ``EngineError`` if the rates of a mode cannot be separated in
     double precision.
     """

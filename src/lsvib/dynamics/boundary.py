@@ -122,7 +122,7 @@ class Basin:
 def basin(drive: Drive) -> Basin:
     """Compute the basin of steady sliding of the rigid drive.
 
-    It is the same under both rules of resuming after a seizure. Raises ``InputError`` where steady sliding attracts
+    It is the same under both resume rules after a seizure. Raises ``InputError`` where steady sliding attracts
     nothing, and for drives whose basin is not covered (see docs/basin.md); ``EngineError`` where the engine
     cannot follow the boundary.
     """
