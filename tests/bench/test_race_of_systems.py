@@ -6,6 +6,7 @@ import pytest
 from benchmarks import own_systems
 
 
+@pytest.mark.slow
 def test_lsvib_and_scipy_end_where_the_march_ends(monkeypatch):
     monkeypatch.setattr(own_systems, "END", 12.0)
     for system, true in own_systems.true_states().items():

@@ -8,6 +8,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from references.hybrid import drawn
+from references.sizes import sizes
 
 from lsvib.errors import EngineError, InputError, LsvibError
 from lsvib.systems.assembly import made
@@ -280,9 +281,7 @@ def repeats(known, system, given):
     return 1
 
 
-@pytest.mark.parametrize(
-    "seeds", [range(40), *(pytest.param(range(k, k + 20), marks=pytest.mark.search) for k in range(40, 300, 20))]
-)
+@pytest.mark.parametrize("seeds", sizes([range(20)], [range(20, 40)], [range(k, k + 20) for k in range(40, 300, 20)]))
 def test_random_systems_move_as_an_integrator_of_the_tests_says(seeds):
     assert sum(map(compare, seeds)) > len(seeds)
 

@@ -63,6 +63,7 @@ def test_ends_of_starts_are_found_once_each():
     assert [(end.label, end.starts) for end in ends] == [(Label.EQUILIBRIUM, 2)]  # rests side by side are one
 
 
+@pytest.mark.slow
 def test_branches_name_what_happens_to_a_cycle():
     one = ONE.replace(A=0.11)
     branch = one.follow(one.steady_state("fly"), "A", (0.09, 0.12))
@@ -218,7 +219,9 @@ COMMANDS = [
 ]
 
 
-@pytest.mark.parametrize(("line", "said"), COMMANDS)
+@pytest.mark.parametrize(
+    ("line", "said"), [COMMANDS[0], *(pytest.param(*command, marks=pytest.mark.slow) for command in COMMANDS[1:])]
+)
 def test_the_shell_reads_a_file(line, said, tmp_path):
     (tmp_path / "buck.yaml").write_text(FILE, encoding="utf-8")
     command, *more = line.split()
