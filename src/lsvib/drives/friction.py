@@ -18,7 +18,7 @@ import numpy as np
 from flint import arb_series, fmpq_poly
 
 from lsvib.errors import InputError
-from lsvib.systems.exact.arithmetic import exponential, nothing, root, sign
+from lsvib.systems.exact.arithmetic import double, exponential, nothing, root, sign
 from lsvib.systems.kernels import law
 
 NAMES = (  # of the parameters that make more of friction than one number
@@ -60,7 +60,7 @@ def slowest(p: Mapping[str, Any]) -> Any:
 
 def steady_speed(d: Any) -> Any:
     """Return the sliding speed of steady sliding, r_m |Ω| / cos λ [m/s]."""
-    return d.pitch_radius * (d.input_speed * sign(d.input_speed)) / d.cos_lead
+    return double(d.pitch_radius / d.cos_lead) * (d.input_speed * sign(d.input_speed))
 
 
 def piece_of(d: Any) -> list[Any]:
