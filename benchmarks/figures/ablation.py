@@ -21,7 +21,7 @@ from lsvib.pictures.style import Axes, Figure
 
 CAPTION = """\
 What a scene saves by leaving parts out: (a) run time and (b) construction of its own model and of a general one in
-which every term is present and zero, with the quartiles of their ratio; (c) what datasets and pictures import.
+which they are zero or negligible, with the quartiles of the ratio; (c) what datasets and pictures import.
 """
 
 MODULES = {  # what drawing a figure or building its dataset imports; measured in processes of their own
@@ -97,7 +97,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
             "quartile": variable("quartile", list(QUARTILES), "1", "share of the repeats below"),
         },
         attrs={
-            "title": "Nothing that a scene does not need",
+            "title": "What a scene saves by leaving parts out",
             "source": "lsvib, its own models and general ones of the same motion",
             "references": "docs/validation.md",
             "left_out": "; ".join(f"{name}: {scene.left_out}" for name, scene in scenes.items()),
