@@ -2,10 +2,10 @@
 
     python docs/build_site.py build/docs
 
-writes the site to ``build/docs/html`` and the same as one file, ``build/docs/lsvib-docs.zip``, that opens from disk
-when it is unpacked. The scripts of the gallery are run for their pictures, which takes most of the time;
-``--pictures results/figures`` shows those of a run of the workflow instead, and ``--without-pictures`` none. What is
-needed is the extra ``docs``; a warning of Sphinx is an error.
+writes the site to ``build/docs/html`` and, as one file, to ``build/docs/lsvib-docs.zip``, which opens from disk once
+unpacked. The scripts of the gallery are run for their pictures, which takes most of the time;
+``--pictures results/figures`` shows those of a run of the workflow instead, and ``--without-pictures`` none. The extra
+``docs`` is required; a warning of Sphinx is an error.
 """
 
 import argparse
@@ -49,7 +49,7 @@ def build(out: Path, *, run_scripts: bool, pictures: Path | None) -> Path:
     if not run_scripts:
         options += ["-D", "plot_gallery=0"]
     if sphinx([*options, str(source), str(pages)]):
-        sys.exit("docs: Sphinx has complained; see above.")
+        sys.exit("docs: Sphinx warned; see above.")
     return pages
 
 
@@ -80,7 +80,7 @@ def on_site(text: str, path: str, source: Path, pages: dict[str, str]) -> str:
         if target in pages:
             return f"]({pages[target]}{match[2] or ''})"
         if not (ROOT / target).is_file():
-            sys.exit(f"docs: {path} links to {match[1]}, which is not there.")
+            sys.exit(f"docs: {path} links to {match[1]}, which does not exist.")
         copy = source / "files" / target
         copy.parent.mkdir(parents=True, exist_ok=True)
         shutil.copy2(ROOT / target, copy)
@@ -88,7 +88,7 @@ def on_site(text: str, path: str, source: Path, pages: dict[str, str]) -> str:
 
     for picture in _PICTURE.findall(text):
         if not (ROOT / os.path.dirname(path) / picture).is_file():
-            sys.exit(f"docs: {path} shows {picture}, which is not there.")
+            sys.exit(f"docs: {path} shows {picture}, which does not exist.")
     return _LINK.sub(replaced, text)
 
 
@@ -107,7 +107,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="Build the documentation site.")
     parser.add_argument("out", type=Path, help="folder to write to")
     shown = parser.add_mutually_exclusive_group()
-    shown.add_argument("--pictures", type=Path, metavar="FOLDER", help="show the pictures that are there")
+    shown.add_argument("--pictures", type=Path, metavar="FOLDER", help="show the pictures in this folder")
     shown.add_argument("--without-pictures", action="store_true", help="do not run the scripts of the gallery")
     given = parser.parse_args()
     if given.pictures:
@@ -117,7 +117,7 @@ def main() -> None:
     run_scripts = not (given.pictures or given.without_pictures)
     pages = build(given.out.resolve(), run_scripts=run_scripts, pictures=given.pictures)
     archive = shutil.make_archive(str(given.out / "lsvib-docs"), "zip", pages)
-    print(f"The site is {pages / 'index.html'}, in one file {archive}.")
+    print(f"The site is {pages / 'index.html'}, and in one file {archive}.")
 
 
 if __name__ == "__main__":

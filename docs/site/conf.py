@@ -16,7 +16,7 @@ version = release = lsvib.__version__
 
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx_gallery.gen_gallery"]
 exclude_patterns = ["examples", "files"]
-highlight_language = "none"  # formulas stand in blocks; blocks of code name their language
+highlight_language = "none"  # formulas are in blocks; blocks of code name their language
 myst_heading_anchors = 4
 
 autodoc_member_order = "bysource"

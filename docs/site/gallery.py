@@ -17,13 +17,13 @@ _HEADER = """
 Gallery
 =======
 
-Every figure of the workflow, with its caption, the script that makes it, and the file behind it, which computes the
-dataset, checks it, and draws the picture. ``lsvib figure 8.6`` makes the same files. Last come the scripts of
-``examples``.
+Every figure of the workflow, with its caption, the script that makes it, and its source file, which computes the
+dataset, checks it and draws the picture. ``lsvib figure 8.6`` makes the same files. The scripts of ``examples`` come
+last.
 """
 _SECTIONS = {
     "1_chapter": "The chapter\n-----------\n\nThe fifteen figures of chapter 8.\n",
-    "2_beyond": "Beyond the chapter\n------------------\n\nWhat it says without a figure, and further results.\n",
+    "2_beyond": "Beyond the chapter\n------------------\n\nWhat the chapter says without a figure, and more.\n",
     "3_scripts": "Scripts\n-------\n\nUp to forty lines each, to copy and change.\n",
     "4_systems": "Your own system\n---------------\n\nEach reproduces a published number.\n",
 }

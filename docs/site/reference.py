@@ -69,7 +69,7 @@ def public_names() -> str:
     """Return the page of all names of ``lsvib.__all__``, in groups; none can be forgotten."""
     known = {name for names in _GROUPS.values() for name in names}
     rest = [name for name in lsvib.__all__ if name not in known]
-    lines = [_heading("Public interface", "="), "All of it is in ``import lsvib``; :doc:`python` shows it at work.\n"]
+    lines = [_heading("Public interface", "="), "``import lsvib`` provides all of it; :doc:`python` shows how.\n"]
     for group, names in (*_GROUPS.items(), *([(_OTHER, rest)] if rest else [])):
         lines.append(_heading(group, "-"))
         lines += [_entry(name) for name in names]
@@ -100,7 +100,7 @@ def parameter_tables() -> str:
     groups = {"Any drive": [key for key in Drive.model_fields if key not in PART_OF]}
     groups |= {IN_WORDS[part].capitalize(): list(names) for part, names in PARTS.items()}
     for title, own in groups.items():
-        words = "All drives have" if title == "Any drive" else "The part is there if it is given"
+        words = "All drives have these:" if title == "Any drive" else "A drive has this part if these are given:"
         lines += [_heading(title, "-"), f"{words}\n"]
         lines += [".. list-table::", "   :header-rows: 1", ""]
         lines += _row(["key", "symbol", "unit", "allowed range", "default", "meaning"])
@@ -120,7 +120,7 @@ def module_pages(source: Path) -> str:
     """Return the page that lists the documented modules, and write a page for each."""
     folder = source / "module"
     folder.mkdir()
-    lines = [_heading("Modules", "="), "What the pages of theory name; :doc:`design` says which layer holds what.\n"]
+    lines = [_heading("Modules", "="), "Modules that the theory pages name; :doc:`design` describes the layers.\n"]
     for subject, names in MODULES.items():
         lines += [_heading(subject, "-"), ".. toctree::\n"]
         lines += [f"   module/{name.removeprefix('lsvib.')}" for name in names]
