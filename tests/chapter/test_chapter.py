@@ -78,4 +78,4 @@ def test_the_report_has_the_counts_and_the_corrections():
     right, all_of_them = len(statements["id"]), sum(map(len, statements.values()))
     compared = f"Of the {all_of_them} statements found in the chapter it compares {right + len(pairs)} with"
     assert f"{compared} what is computed. Of these {right} hold and {len(pairs)} need a correction" in paper
-    assert f"where one of {len(pairs)} needs a correction ({kinds(statements)})" in readme
+    assert f"corrects the {len(pairs)} that need it ({kinds(statements)})" in readme
