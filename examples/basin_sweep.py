@@ -1,4 +1,4 @@
-"""The basin of steady sliding: its exact boundary, and how much of a window it fills over force and damping.
+"""The basin of steady sliding: its exact boundary, and its share of a window over force, damping and mass.
 
 The drive of Fig. 8.14b beyond its critical mass. `python examples/basin_sweep.py` writes basin_sweep.png and .pdf.
 """
@@ -26,7 +26,7 @@ for force in (-30, -20, -10):
     basin = drive.replace(axial_force=force).basin()
     plane.fill(*basin.line(WINDOW).T, alpha=0.3, label=f"{force} N: {basin.fraction(WINDOW):.2%} of the window")
 plane.plot(0, 0, "k+")
-plane.set(title="what steady sliding attracts", ylim=(-42, 48), xlabel="deviation $u$ [rad]", ylabel="its rate [rad/s]")
+plane.set(title="basin of steady sliding", ylim=(-42, 48), xlabel="deviation $u$ [rad]", ylabel="its rate [rad/s]")
 plane.legend(fontsize="small", loc="upper right")
 for axes, (name, (label, values)) in zip(others, SWEPT.items(), strict=True):
     shares = [drive.replace(**{name: value}).basin().fraction(WINDOW) for value in values]

@@ -1,6 +1,6 @@
 """Friction that falls with the sliding speed: chatter begins at one force, and once begun stops only at a smaller one.
 
-The drive of Table 8.1 with the whole law measured for it. `python examples/falling_friction.py` writes
+The drive of Table 8.1 with the full friction law measured for it. `python examples/falling_friction.py` writes
 falling_friction.png, .pdf and .nc.
 """
 

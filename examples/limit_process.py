@@ -1,4 +1,4 @@
-"""What a stiff contact does after an impact: the stiffer the threads, the closer to the jump of the rigid drive.
+"""After an impact, motions with ever stiffer threads approach the jump of the rigid drive.
 
 `python examples/limit_process.py` writes limit_process.png, .pdf and the motion with the stiffest contact, .nc.
 """
@@ -9,7 +9,7 @@ from matplotlib import pyplot as plt
 import lsvib
 
 START = {"u": 0.1, "w": 40.0}  # rad, rad/s: no contact force solves the equations, so the rigid screw stops at once
-STIFFNESS = np.geomspace(1e5, 1e10, 11)  # of the contact [N/m]; its damping is as large in SI units [N s/m]
+STIFFNESS = np.geomspace(1e5, 1e10, 11)  # of the contact [N/m]; its damping [N s/m] has the same number
 RELAXED = {**START, "thread_mismatch": 0.0, "mismatch_rate": 0.0}  # the threads carry nothing
 
 rigid = lsvib.Drive(mass=15, axial_force=60)

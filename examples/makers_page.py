@@ -1,10 +1,10 @@
-"""An engineer's question: which trapezoidal screw lifts 50 kg behind a stepper of size NEMA 23?
+"""An engineer's question: which trapezoidal screw lifts 50 kg with a NEMA 23 stepper?
 
 `python examples/makers_page.py` writes makers_page.png. Each `# %%` begins a cell, as in a notebook.
 """
 
 # %%
-# The pages of the makers, in their own units. What they do not say has a range.
+# Data of the makers, in their own units. What they do not state gets a range.
 from matplotlib import pyplot as plt
 
 import lsvib
@@ -36,5 +36,5 @@ for size in ("TR12x3", "TR12x6 P3", "TR16x4", "TR20x4"):
 # TR16x4 runs steadily with a quarter to spare, holds the load, and the motor has enough torque for it.
 figure, axes = plt.subplots(figsize=(7.2, 3), layout="constrained")
 axes.barh([*masses], [min(mass, 150) for mass in masses.values()])
-axes.set(xlabel="mass up to which it runs steadily [kg], of 50 kg", xlim=(0, 150))
+axes.set(xlabel="mass up to which it runs steadily [kg]; the load has 50 kg", xlim=(0, 150))
 figure.savefig("makers_page.png", dpi=150)

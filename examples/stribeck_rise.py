@@ -1,4 +1,4 @@
-"""Friction that rises towards slow sliding: vibration sets in at the same force, but the screw sticks earlier.
+"""Friction that rises towards slow sliding: vibration sets in at the same force, but sticking at a lower one.
 
 The drive is that of Fig. 8.6. `python examples/stribeck_rise.py` writes stribeck_rise.png, .pdf and .nc.
 """
@@ -8,7 +8,7 @@ import numpy as np
 import lsvib
 
 drive = lsvib.Drive(mass=1, translation_damping=1000, stribeck_speed=0.0137)
-rises = np.linspace(0, 0.3, 21) * drive.friction_coefficient  # of the coefficient, over that in steady sliding
+rises = np.linspace(0, 0.3, 21) * drive.friction_coefficient  # of the coefficient, above its value in steady sliding
 forces = np.linspace(15, 50, 71)  # N
 
 found = drive.sweep(stribeck_rise=rises, axial_force=forces)  # from a start next to steady sliding

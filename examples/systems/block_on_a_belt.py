@@ -1,6 +1,6 @@
-"""A block on a belt: stick and slip, up to the speed of the belt at which it ends.
+"""A block on a belt: stick–slip, and the belt speed at which it ends.
 
-Friction is larger at rest than in motion, by D. With a little damping z the cycle ends at a speed near D/√(4πz)
+Static friction exceeds kinetic friction by D. With a little damping z the cycle ends at a speed near D/√(4πz)
 (Brockley, Cameron and Potter, ASME J. Lubrication Technology 89, 1967, 101; mass and stiffness are 1).
 `python examples/systems/block_on_a_belt.py` writes block_on_a_belt.png.
 """
@@ -11,7 +11,7 @@ from matplotlib import pyplot as plt
 from lsvib.systems import System
 
 block = System(
-    states=["x", "v"],  # from where kinetic friction holds the spring
+    states=["x", "v"],  # x from where kinetic friction balances the spring
     parameters={"D": 1, "z": "0.01", "V": 2},
     modes={"slip": {"x": "v", "v": "-x - 2*z*v"}, "stick": {"x": "v", "v": 0}},
     events=[
@@ -21,7 +21,7 @@ block = System(
 )
 branch = block.follow(block.steady_state("slip", {"x": 3}), "V", (0.4, 4))
 end = branch.changes[-1]
-print(f"stick and slip up to V = {end.value:.10f}, where the cycle ends by {end.name}")
+print(f"stick–slip up to V = {end.value:.10f}, where the cycle ends by {end.name}")
 
 figure, (plane, size) = plt.subplots(1, 2, figsize=(7.2, 3), layout="constrained")
 for speed, look in ((0.5, ":"), (1.5, "--"), (end.value, "-")):

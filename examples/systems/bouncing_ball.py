@@ -1,6 +1,6 @@
-"""A ball that is thrown up bounces infinitely often in a finite time, and lies still after that.
+"""A ball that is thrown up bounces infinitely often in a finite time, and then lies still.
 
-The ball of the example "Simulation of a bouncing ball" of Simulink, which stops there short of the last bounce: up at
+The ball of the example "Simulation of a bouncing ball" of Simulink, which stops short of the last bounce: thrown up at
 15 m/s from 10 m, with a restitution of 0.8. The times between bounces are a geometric series, whose sum is known.
 `python examples/systems/bouncing_ball.py` writes bouncing_ball.png.
 """

@@ -1,4 +1,4 @@
-"""A buck converter under voltage control: as the supply rises its cycle doubles, again and again, into chaos.
+"""A buck converter under voltage control: as the supply voltage rises, its cycle doubles again and again, into chaos.
 
 The circuit of Fossas and Olivar (IEEE Trans. Circuits Syst. I 43, 1996, 13), whose cycle first doubles at 24.516 V.
 `python examples/systems/buck_converter.py` writes buck_converter.png.
@@ -28,7 +28,7 @@ for supply in np.linspace(22, 34, 97):
     motion = buck.replace(E=supply).simulate("on", start, 0.2, samples=2)
     returns = motion.event_v_after[motion.event_t_after == 0][-64:]
     voltage.plot(np.full(returns.size, supply), returns, "k.", markersize=1)
-voltage.set(title="each ramp, after 0.17 s", xlabel="supply [V]", ylabel="voltage as a ramp begins [V]")
+voltage.set(title="at each ramp, after 0.17 s", xlabel="supply [V]", ylabel="voltage as a ramp begins [V]")
 multipliers = np.array([point.cycle.multipliers for point in branch.points])
 plane.plot(np.cos(np.linspace(0, 2 * np.pi)), np.sin(np.linspace(0, 2 * np.pi)), "k:", label="unit circle")
 plane.plot(multipliers.real, multipliers.imag, "C0.")

@@ -19,7 +19,7 @@ circuit = System(
 )
 motion = circuit.simulate("middle", {"u": 0.1}, END, samples=100 * END)
 
-# The derivative is continuous, so neighbours of a motion part as the flows of its stays say, one after the other.
+# The vector field is continuous, so the flows of the stays, one after the other, carry small deviations along.
 flows = [np.array([[-9 * (0.7 + slope), 6.3, 0], [0.7, -0.7, 1], [0, -7, 0]]) for slope in (-0.5, -0.8, -0.5)]
 stays = np.diff([0, *motion.event_time.values, END])
 modes = [1, *motion.event_mode.values]
@@ -34,5 +34,5 @@ figure, (scroll, panel) = plt.subplots(1, 2, figsize=(7.2, 3), layout="constrain
 scroll.plot(motion.u[:20_000], motion.v[:20_000], linewidth=0.5)
 scroll.set(xlabel="voltage $u$ at the diode", ylabel="voltage $v$", title="double scroll")
 panel.semilogx(np.cumsum(stays), exponents)
-panel.set(xlabel="time", title="Lyapunov exponents up to a time", ylim=(-2, 0.5))
+panel.set(xlabel="time", title="Lyapunov exponents over time", ylim=(-2, 0.5))
 figure.savefig("chua_circuit.png", dpi=150)

@@ -1,7 +1,7 @@
 """An oscillator under dry friction and a harmonic force: how often does it stop in a cycle?
 
 x'' + x + f sign x' = cos Ωt. Without stops Den Hartog (Phil. Mag. 9, 1930, 801, section II) gives the amplitude in
-closed form. Hong and Liu (J. Sound Vib. 229, 2000, 1171) find cycles of 0 to 14 stops; the slower the force, the more.
+closed form. Hong and Liu (J. Sound Vib. 229, 2000, 1171) find cycles with 0 to 14 stops, more at low frequencies.
 `python examples/systems/coulomb_oscillator.py` writes coulomb_oscillator.png.
 """
 

@@ -1,4 +1,4 @@
-"""An oscillator that hits a stop, driven at resonance: its cycle over the amplitude of the force.
+"""An oscillator that hits a stop, driven at resonance: its cycle as the amplitude of the force varies.
 
 Example 15.2 of Dankowicz and Schilder, *Recipes for Continuation* (SIAM, 2013): at A = 1 the speed after the impact is
 −1.36, and at A = 0.1 the motion only grazes the stop. `python examples/systems/impact_oscillator.py` writes

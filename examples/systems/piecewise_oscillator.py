@@ -5,7 +5,7 @@ x″ + 2ζx′ + h(x) = β cos Ωt, h = x up to the gap x₀ and r²x + (1 − r
 """
 
 # %%
-# The state alone says which equations hold, so the corner of h is a surface between two modes.
+# The state alone decides which equations apply, so the corner of h is a surface between two modes.
 import numpy as np
 
 import lsvib
@@ -24,13 +24,13 @@ oscillator = System(
 print(oscillator.steady_state("free"))
 
 # %%
-# Its cycle over the force is that of a linear system until it touches the spring, at β² = x₀² ((1 − Ω²)² + (2ζΩ)²).
+# As β grows, its cycle is that of a linear system until it touches the spring, at β² = x₀² ((1 − Ω²)² + (2ζΩ)²).
 branch = oscillator.follow(oscillator.steady_state("free"), "beta", (0.2, 0.8))
 for change in branch.changes[1:-1]:
     print(f"{change.name} at beta = {change.value:.15g}")
 
 # %%
-# What it does over force and frequency, with the curve on which it touches the spring.
+# Its motion over force and frequency, with the curve on which it touches the spring.
 forces, rates = np.linspace(0.2, 1, 17), np.linspace(0.5, 1.1, 25)
 figure = lsvib.draw(oscillator.sweep(beta=forces, Omega=rates))
 figure.axes[0].plot(rates, abs(1 - rates**2 + 0.1j * rates), color="black")

@@ -1,7 +1,7 @@
-"""A relay around 1/(s (s² + 2 s + 3)): the cycle by which controllers are tuned, and what the describing function says.
+"""A relay in feedback with 1/(s (s² + 2 s + 3)): the cycle used to tune controllers, exactly and as a sine.
 
-That takes the cycle for a sine: period 2π/√3, amplitude 2/(3π). The exact period is the zero of a series (Tsypkin,
-*Relay Control Systems*, 1984): 3.66190466725448922. `python examples/systems/relay.py` writes relay.png.
+As a sine, by the describing function: period 2π/√3, amplitude 2/(3π). The exact period is the zero of a series
+(Tsypkin, *Relay Control Systems*, 1984): 3.66190466725448922. `python examples/systems/relay.py` writes relay.png.
 """
 
 import numpy as np
@@ -24,7 +24,7 @@ peak = float(motion.time[np.argmax(motion.x.values)])
 figure, (output, plane) = plt.subplots(1, 2, figsize=(7.2, 3), layout="constrained")
 output.plot(motion.time, motion.x, label="exact")
 output.plot(motion.time, 2 / (3 * np.pi) * np.cos(np.sqrt(3) * (motion.time - peak)), "k--", label="as a sine")
-output.step(motion.time, -0.1 * np.sign(motion.x), color="grey", linewidth=0.8, label="a tenth of the relay")
+output.step(motion.time, -0.1 * np.sign(motion.x), color="grey", linewidth=0.8, label="relay output / 10")
 output.set(xlabel="time [s]", ylabel="output $x$", ylim=(-0.25, 0.45))
 output.legend(loc="upper left")
 for start in (-1, 0.02):

@@ -1,6 +1,6 @@
 """Two switches that would chatter without end: the motion slides between them instead.
 
-x' = ∓2 and y' = −3 or 1.5 by the sign of x − y, on which event-driven solvers get stuck (OpenModelica, issue 12190).
+x' = ∓2 and y' = −3 or 1.5, by the sign of x − y; event-driven solvers get stuck (OpenModelica, issue 12190).
 The convex combination of both that stays on x = y (Filippov, *Differential Equations with Discontinuous Righthand
 Sides*, 1988) is x' = y' = −6/17. `python examples/systems/two_switches.py` writes two_switches.png.
 """
