@@ -1,11 +1,12 @@
 """Two systems of one's own by lsvib and by what else follows events, in one run: error beside time and lines of code.
 
-    python -m benchmarks.own_systems
+    OPENBLAS_NUM_THREADS=1 python -m benchmarks.own_systems
 
 An impact oscillator and a relay with a plant of third order. Each method is written as its manual says, as a function
 that sets up all that it can and returns what is timed; its lines are counted. Times are processor times: of the set-up
-with a first run, which may compile, and the best of five more. The truth is a march in 50 digits. What is not installed
-is left out, and the run says so.
+with a first run, which may compile, and the best of five more. Threads of OpenBLAS that wait for each other would count
+against malbrid, up to thirty times. The truth is a march in 50 digits. What is not installed is left out, and the run
+says so.
 """
 
 import inspect
