@@ -21,7 +21,7 @@ import pytest
 import yaml
 from references.drives import GIVEN
 from references.figure_checks import coarse
-from tools.codemeta import codemeta
+from tools.codemeta import author, codemeta
 
 import lsvib
 from lsvib.chapter.configuration import FIGURES, PARTS, module_of
@@ -67,6 +67,8 @@ def test_the_version_is_in_one_place_and_the_others_agree():
     heading = re.search(rf"^## {lsvib.__version__} – (.*)$", (ROOT / "CHANGELOG.md").read_text(encoding="utf-8"), re.M)
     assert heading[1] in ("unreleased", str(cited["date-released"]))
     assert json.loads((ROOT / "codemeta.json").read_text(encoding="utf-8")) == codemeta()
+    names = author({"family-names": "Curie", "given-names": "Marie"})
+    assert names == {"@type": "Person", "givenName": "Marie", "familyName": "Curie"}
 
 
 def test_files_that_a_text_names_are_there():
