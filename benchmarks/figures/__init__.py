@@ -1,1 +1,1 @@
-"""A folder for each figure of the benchmarks."""
+"""A file for each figure of the benchmarks."""

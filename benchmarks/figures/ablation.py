@@ -20,8 +20,8 @@ from lsvib.pictures import style
 from lsvib.pictures.style import Axes, Figure
 
 CAPTION = """\
-What a scene saves by leaving parts out: (a) run time and (b) construction of its own model and of a general one in
-which they are zero or negligible, with the quartiles of the ratio; (c) what datasets and pictures import.
+What a scene saves by leaving parts out: (a) run time and (b) construction time of its own model and of a general one
+in which they are zero or negligible, with the quartiles of the ratio; (c) what datasets and pictures import.
 """
 
 MODULES = {  # what drawing a figure or building its dataset imports; measured in processes of their own
@@ -47,7 +47,7 @@ _NUMBERS = {
     "states": ("1", "number of states"),
     "table_bytes": ("byte", "size of the tables"),
 }
-_COLOURS = (style.BLUE, style.GREY)
+_COLOURS = {"own model": style.BLUE, "general model": style.GREY}
 
 
 class Settings(FigureSettings):
@@ -76,7 +76,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     compared = [leaving_out.difference(pared.motion, general.motion) for pared, general in pairs]
     for name, words in _TIMES.items():
         times = np.array([[getattr(m, f"{name}s") for m in pair] for pair in pairs])
-        ratio = f"{words}: that of the general model over that of its own, quartiles of the repeats"
+        ratio = f"{words}: general over own model, quartiles of the repeats"
         variables |= {
             name: variable(("scene", "model"), np.median(times, axis=-1), "s", f"{words}, median of the repeats"),
             f"{name}_ratio": variable(("scene", "quartile"), quartiles(times[:, 1] / times[:, 0]), "1", ratio),
@@ -98,7 +98,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
         },
         attrs={
             "title": "What a scene saves by leaving parts out",
-            "source": "lsvib, its own models and general ones of the same motion",
+            "source": "lsvib, own and general models of the same motions",
             "references": "docs/validation.md",
             "left_out": "; ".join(f"{name}: {scene.left_out}" for name, scene in scenes.items()),
             "modules": "; ".join(f"{name}: {module}" for name, module in MODULES.items()),
@@ -115,13 +115,13 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     column = {name: k for k, name in enumerate(_PACKAGES)}
     return [
         Check.holds(
-            f"The pared and the general model of each scene have the same events, and states to {_ROUNDING:.0e}",
+            f"The own and the general model of each scene have the same events, and states to {_ROUNDING:.0e}",
             _SOURCE,
             f"largest difference {float(dataset.difference.max()):.1e}",
             bool(dataset.same_events.all() and (dataset.difference <= _ROUNDING).all()),
         ),
         Check.holds(
-            "No scene's own model has more of anything than the general one, and each has smaller tables",
+            "No scene's own model has more modes, guards or states than the general one, and each has smaller tables",
             _SOURCE,
             ", ".join(f"{words} {x[:, 0].sum():g} of {x[:, 1].sum():g}" for x, words in parts),
             bool(all((x[:, 0] <= x[:, 1]).all() for x, _ in parts) and (parts[-1][0][:, 0] < parts[-1][0][:, 1]).all()),
@@ -178,11 +178,11 @@ def draw(dataset: xr.Dataset) -> Figure:
 
 def _pairs(axes: Axes, dataset: xr.Dataset, name: str, title: str) -> None:
     """Both times of each scene, and how many times longer the general model takes, with the quartiles."""
-    values, models = dataset[name].values * 1e3, flag_names(dataset.model)
+    values = dataset[name].values * 1e3
     place = np.arange(dataset.sizes["scene"])
     axes.hlines(place, *values.T, color=style.GREY, linewidth=0.8)
-    for k, colour in enumerate(_COLOURS):
-        axes.plot(values[:, k], place, "o", color=colour, label=f"{models[k]} model")
+    for k, (words, colour) in enumerate(_COLOURS.items()):
+        axes.plot(values[:, k], place, "o", color=colour, label=words)
     for row, (low, middle, high) in enumerate(dataset[f"{name}_ratio"].values):
         axes.annotate(f"× {middle:.2g} ({low:.2g}–{high:.2g})", (values[row].max(), row), (6, 0), va="center",
                       textcoords="offset points", fontsize=6.5)  # fmt: skip
@@ -196,6 +196,4 @@ def _bars(axes: Axes, kinds: xr.DataArray, seconds: xr.DataArray, words: list[st
     for row, text in enumerate(words):
         axes.text(0.02 * longest, row, text, va="center", fontsize=6.5)
     axes.set_yticks(place, list(flag_names(kinds).values()))
-    axes.set(
-        title="(c) importing what it needs", xlabel="Time [s]", xlim=(0, longest * 1.02), ylim=(place[-1] + 0.6, -0.6)
-    )
+    axes.set(title="(c) imports", xlabel="Time [s]", xlim=(0, longest * 1.02), ylim=(place[-1] + 0.6, -0.6))

@@ -1,4 +1,4 @@
-"""A measured screw: the friction law of the files that are even, and what the jerks of the others tell of its drive."""
+"""A measured screw: the friction law of the steady files, and what the jerks in the others reveal about its drive."""
 
 import json
 import math
@@ -18,6 +18,7 @@ from lsvib.drives.drive import Drive
 from lsvib.errors import InputError
 from lsvib.pictures import style
 from lsvib.pictures.torque import RPM, residual_panel, torque_panel
+from lsvib.words import plain
 
 CAPTION = """\
 Drive 1 of Mablekos-Alexiou, da Cruz and Bergeles (IEEE Trans. Robotics 37:1252, 2021): a 12 mm screw with a lead of 2
@@ -26,16 +27,15 @@ of each steady file, and the fitted law with all friction in the threads. (b) Tw
 jerk, and the cycle of the model. (c) Speed above which the model runs steadily from rest, over the damping c of command
 and bearing; the shaded dampings explain which files jerk and which are steady. (d) Residuals of the means, with their
 standard errors.
-Explained: the torque climbs as behind a spring of 0.0215 N m/rad. With as much friction in the bearing as possible,
-2.37 mN m sliding and 3.17 at rest, and a damping of 1.23 × 10⁻⁴ N m s/rad, the model jerks as often as the screw in
-both directions, to 1 %, with the same torque, to 0.03 mN m, and the same swing, to 3 %. Friction at rest and damping
-match period and torque averaged over both directions; the breakaway torque gives 3.23 ± 0.07. With the excess over
-sliding friction in the threads the model would jerk every 0.37 s lowering and 0.44 s lifting. Recorded speeds up to 15
+Explained: the torque climbs as if through a spring of 0.0215 N m/rad. With as much friction in the bearing as possible,
+2.37 mN m sliding and 3.17 static, and a damping of 1.23 × 10⁻⁴ N m s/rad, the model jerks as often as the screw in both
+directions, to 1 %, with the same torque, to 0.03 mN m, and the same swing, to 3 %. Static friction and damping are
+fitted to period and torque averaged over both directions; the breakaway torque gives 3.23 ± 0.07. With the excess over
+sliding friction in the threads, the model would jerk every 0.37 s lowering and 0.44 s lifting. Recorded speeds up to 15
 rpm are averages, over about 50 ms, of slips at more than 30. Not explained: with that damping, the dotted line in (c),
 the model runs steadily above 32 rpm, while the screw was steady at 10, which takes at least 2.5 × 10⁻⁴ if it was
-started from rest. Friction at rest that grows with the time at rest, 0.37 s at 2 rpm and less at 10, might explain
-both. While the torque climbs the motor turns at 1 rpm, half the commanded speed, so it winds up something compliant
-behind it.
+started from rest. Static friction that grows with the time at rest, 0.37 s at 2 rpm and less at 10, might explain both.
+While the torque climbs, the motor turns at 1 rpm, half the commanded speed, so it winds up something compliant.
 Jerks differ from tooth to tooth, and at 10 rpm the torque swings once per turn, by 6 % lifting and 14 % lowering:
 friction depends on position.
 """
@@ -59,16 +59,16 @@ _SIGNED = (-RPM, -0.0984e-3)  # signs of the motor, rpm; per cent of 9.84 mN m
 _ROWS = {  # of each direction: further dimensions, unit and words
     "jerk_period": ((), "s", "period of the jerks in the record"),
     "jerk_period_error": ((), "s", "standard error of the period"),
-    "jerk_stiffness": ((), "N m rad-1", "stiffness by the ramps of the torque"),
-    "averaging": ((), "s", "time over which the record averages, by its share of samples above 3 rpm"),
-    "model_period": ((), "s", "period of the model, static friction above sliding in the bearing"),
-    "threads_period": ((), "s", "period of a model that has it in the threads"),
-    "largest_speed": ((), "rad s-1", "largest speed of that model"),
-    "energy_balance": ((), "1", "sum of all works over one period of the cycle, over the largest"),
+    "jerk_stiffness": ((), "N m rad-1", "stiffness from the ramps of the torque"),
+    "averaging": ((), "s", "averaging time of the record, from its share of samples above 3 rpm"),
+    "model_period": ((), "s", "period of the model, with the excess static friction in the bearing"),
+    "threads_period": ((), "s", "period of a model with the excess static friction in the threads"),
+    "largest_speed": ((), "rad s-1", "largest speed of the model"),
+    "energy_balance": ((), "1", "sum of all work over one period of the cycle, relative to the largest term"),
     "standing_speed": ((), "rad s-1", "median of the recorded speed"),
-    "turn_swing": ((), "1", "amplitude of the torque once in a turn at 10 rpm, over its mean"),
+    "turn_swing": ((), "1", "once-per-turn amplitude of the torque at 10 rpm, relative to its mean"),
     "swing": (("source",), "N m", "standard deviation of the torque about its slow change"),
-    "recorded_top": (("source",), "rad s-1", "averaged speed below which 98 % of the samples are"),
+    "recorded_top": (("source",), "rad s-1", "averaged speed below which 98 % of the samples lie"),
     "mean_torque": (("source",), "N m", "mean torque in the direction of turning"),
     "recorded_torque": (("record_time",), "N m", "recorded torque in the direction of turning"),
     "model_torque": (("model_time",), "N m", "torque of the model in the direction of turning, averaged"),
@@ -133,7 +133,7 @@ def build(settings: Values) -> xr.Dataset:
     variables |= {
         "even_speed": variable(over, limits, "rad s-1", from_it),
         "explaining_damping": variable("bound", np.array(told.damping) + viscous, "N m s rad-1", both),
-        "jerking_damping": variable((), own, "N m s rad-1", "damping of the model that jerks as the screw does"),
+        "jerking_damping": variable((), own, "N m s rad-1", "damping of the model that jerks as often as the screw"),
         "input_speed": ("direction", [sense * SLOW for sense in jerks], parameter("input_speed", VARIED)),
         **{
             name: ((), value, parameter(name, f"given: published, measured or fitted, {SOURCE}"))
@@ -145,8 +145,8 @@ def build(settings: Values) -> xr.Dataset:
         **varied(support_damping=dampings),
         "record_time": variable("record_time", RECORD_TIMES, "s", "time of the record", "$t$"),
         "model_time": variable("model_time", MODEL_TIMES, "s", "time of the model", "$t$"),
-        "source": named_index("source", "of what a number is", ["record", "model"]),
-        "bound": named_index("bound", "end of what explains all files", ["least", "largest"]),
+        "source": named_index("source", "source of the number", ["record", "model"]),
+        "bound": named_index("bound", "end of the interval that explains all files", ["least", "largest"]),
     }
     words = about(__doc__, "least squares, and motions by power series", "eqs 8.4, 8.13")
     return xr.Dataset(variables, coordinates, {**words, **more})
@@ -294,7 +294,8 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     back, out = torque[: half.size][::-1], torque[half.size :]
     end, residual = dataset.isel(end=0), dataset.residual
     rms, worst = np.sqrt((residual**2).mean("point")), float(np.abs(end.residual).max()) * 1e3
-    lost, ways = dataset.attrs["not_separable"], ("back", "outward")
+    lost, ways = json.loads(dataset.attrs["not_separable"]), ("back", "outward")
+    pairs = "; ".join(" and ".join(map(plain, pair)) for pair in lost)
     (low, high), direction = dataset.explaining_damping.values, dataset.direction
     swing = np.abs(dataset.swing[:, 1] / dataset.swing[:, 0] - 1).max()
     period = np.abs(dataset.model_period / dataset.jerk_period - 1).max()
@@ -324,7 +325,8 @@ def checks(dataset: xr.Dataset) -> list[Check]:
         Check.that("measured_drive.curve", law=near(dataset.law_torque, curve, 1e-12),
                    loads=near(dataset.measured_load, dataset.load_case[0], 1e-12),
                    load=near(-dataset.axial_force, dataset.load_case[0], 1e-12)),
-        Check.that("measured_drive.separable", names=every([x in lost for x in ("coulomb", "viscous")]), lost=lost),
+        Check.that("measured_drive.separable", pairs=pairs,
+                   names=every([any(x in pair for pair in lost) for x in ("coulomb", "viscous")])),
         Check.that("measured_drive.falls", rise=each(rise, ">", 4 * off), least=least, off=off),
         *(Check.of("measured_drive.frequency", 1 / x, way=way) for way, x in zip(ways, jerks, strict=True)),
         *(Check.of("measured_drive.stiffness", x, way=way) for way, x in zip(ways, stiffness, strict=True)),
@@ -415,16 +417,16 @@ def draw(dataset: xr.Dataset) -> style.Figure:
         kept = own.even_speed.where((own.even_speed > 0) & np.isfinite(own.even_speed))
         limit.plot(dataset.support_damping, kept / RPM, dashes, color=colour, label=f"limit, {words}")
     bottom, top = record.get_ylim()
-    record.set(xlabel="Time [s]", ylabel="Torque of the motor [mN m]", ylim=(bottom, top + 0.3 * (top - bottom)))
+    record.set(xlabel="Time [s]", ylabel="Motor torque [mN m]", ylim=(bottom, top + 0.3 * (top - bottom)))
     record.legend(fontsize=7, ncols=2, loc="upper left", columnspacing=0.8, handletextpad=0.3)
     as_often = float(dataset.jerking_damping)
     limit.axvline(as_often, color="black", linestyle=":", linewidth=0.9)
     limit.annotate("jerks as often", (as_often, 1.2), xytext=(4, 0), textcoords="offset points", fontsize=7)
     at = math.sqrt(low * high)
-    for rpm, mark, words in ((SLOW / RPM, "v", "jerked"), (EVEN / RPM, "^", "was even")):
+    for rpm, mark, words in ((SLOW / RPM, "v", "jerked"), (EVEN / RPM, "^", "ran smoothly")):
         limit.plot(at, rpm, mark, color="black", markersize=4)
         limit.annotate(words, (at, rpm), xytext=(6, 0), textcoords="offset points", va="center", fontsize=7)
-    limit.set(yscale="log", ylabel="Speed of the screw [rpm]", ylim=(1, 100),
+    limit.set(yscale="log", ylabel="Screw speed [rpm]", ylim=(1, 100),
               xlabel=style.label(dataset.support_damping, "damping of command and bearing"))  # fmt: skip
     ticks = [1e-4, 2e-4, 3e-4, 4e-4]
     limit.set_xticks(ticks, [style.number(tick) for tick in ticks])

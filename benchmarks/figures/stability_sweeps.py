@@ -19,27 +19,27 @@ if TYPE_CHECKING:
     from benchmarks.sweeps.case_judge import CaseOutcome
 
 CAPTION = """\
-The engine at the edge of the domain. (a) Correct digits of the final state, judged by a reference with 40 digits, 22
+The engine at the edge of its domain. (a) Correct digits of the final state, judged by a reference with 40 digits, 22
 under a friction law, by family; black: effect of 16 units in the last place of the input. (b, c) Compliant threads over
 stiffness and damping of the contact, and the condition number of the modal form; circles mark failed cases. (d) Digits
-over the distance from an edge, (e) over the sliding speed within which static friction falls, relative to the speed of
-steady sliding. (f) Digits to which the energy of motions under constant friction balances; orange where rounding alone
-may exceed the tolerance. See docs/validation.md.
+against the distance from an edge, (e) against the sliding speed over which friction falls from its static value,
+relative to the speed of steady sliding. (f) Digits to which the energy of motions under constant friction balances;
+orange where rounding alone may exceed the tolerance. See docs/validation.md.
 """
 
 _SOURCE = "docs/validation.md"
 _NUMBERS = {
     "state_error": ("1", "error of the final state, relative to the size of the motion"),
     "time_error": ("1", "largest error of an event time, relative to the duration"),
-    "sensitivity": ("1", "change of the final state when the input is moved in its last places"),
+    "sensitivity": ("1", "change of the final state when the last places of the input change"),
     "condition": ("1", "largest condition number of the modal forms"),
     "energy_residual": ("1", "residual of the energy balance, relative to the largest energy or work in it"),
-    "energy_rounding": ("1", "residual of the energy balance that rounding may make"),
+    "energy_rounding": ("1", "residual of the energy balance that rounding may cause"),
 }
 _WORDS = {
     "level": "decimal logarithm of the parameter or of its distance from the edge",
     "damping_level": "decimal logarithm of the contact damping in N s/m",
-    "energy_tolerance": "residual of the energy balance that passes, beyond rounding",
+    "energy_tolerance": "largest residual of the energy balance that passes, beyond rounding",
 }
 _WITH_PARTS = (CaseFamily.CONTACT, CaseFamily.SUPPORT, CaseFamily.NUT, CaseFamily.LAW_AND_PARTS)
 _WITHOUT_BALANCE = [family for family in CaseFamily if family >= CaseFamily.FRICTION_LAW]
@@ -97,7 +97,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
             "case": variable("case", np.arange(len(rows)), "1", "index of the case"),
             "edge_family": flagged("edge_family", families, "what is driven to the edge", CaseFamily),
             "outcome": flagged("outcome", VERDICTS, "verdict", VERDICTS),
-            "passing_error": variable((), TOLERANCE, "1", "relative error that passes"),
+            "passing_error": variable((), TOLERANCE, "1", "largest relative error that passes"),
             "energy_tolerance": variable((), ENERGY_TOLERANCE, "1", _WORDS["energy_tolerance"]),
         },
         attrs={
@@ -122,7 +122,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     errors = np.fmax(dataset.state_error.values, dataset.time_error.values)[others]
     return [
         Check.holds(
-            "No wrong verdict: the engine has the events of an independent computation, in order, in every case",
+            "No wrong motion: in every case the engine has the events of an independent computation, in the same order",
             _SOURCE,
             f"{count[Verdict.WRONG]} wrong of {total}",
             count[Verdict.WRONG] == 0,
@@ -131,7 +131,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             f"At most one case in {1 / _NOT_PASSED:g}, or {_FEW} if that is more, does not pass",
             _SOURCE,
             f"{failed} of {total} do not: {count[Verdict.BEYOND_INPUT]} decided by digits beyond those of the input, "
-            f"{count[Verdict.REFUSED]} refused in a sentence, {count[Verdict.INACCURATE]} inaccurate, "
+            f"{count[Verdict.REFUSED]} refused with a reason, {count[Verdict.INACCURATE]} inaccurate, "
             f"{count[Verdict.UNBALANCED]} unbalanced; in {count[Verdict.CORNER]} others events swap at a corner",
             failed <= max(_FEW, _NOT_PASSED * total),
         ),
@@ -143,10 +143,10 @@ def checks(dataset: xr.Dataset) -> list[Check]:
         ),
         Check.holds(
             f"Drives with parts: final states and event times to {_TOLERANCE_WITH_PARTS:.0e} in every case "
-            "that is not refused and that its input decides",
+            "that is not refused and whose input decides it",
             _SOURCE,
-            f"worst error {errors.max(initial=0.0, where=np.isfinite(errors)):.1e} of {errors.size} cases, in "
-            f"{int(np.isnan(errors).sum())} unknown",
+            f"worst error {errors.max(initial=0.0, where=np.isfinite(errors)):.1e} of {errors.size} cases, "
+            f"unknown in {int(np.isnan(errors).sum())}",
             bool(errors.size and (errors <= _TOLERANCE_WITH_PARTS).all()),
         ),
         _energy_check(dataset),
@@ -163,11 +163,11 @@ def _energy_check(dataset: xr.Dataset) -> Check:
     astray = int((residual[drawn] > allowed_residual(rounding[drawn])).sum())
     sharp = drawn & (rounding <= tolerance)
     return Check.holds(
-        "Energy balances in every motion under constant friction: supply, storage, friction, dampers and seizures, to "
-        f"{tolerance:.0e} of the largest of them and what rounding makes of it",
+        "In every motion under constant friction the energies of supply, storage, friction, dampers and seizures "
+        f"balance, to {tolerance:.0e} of the largest of them, and rounding",
         _SOURCE,
-        f"{astray} of {int(drawn.sum())} do not, {int((asked & ~drawn).sum())} not drawn; where rounding makes less "
-        f"than {tolerance:.0e}, in {int(sharp.sum())}, the largest residual is {float(residual[sharp].max()):.1e}",
+        f"{astray} of {int(drawn.sum())} do not, {int((asked & ~drawn).sum())} not drawn; in {int(sharp.sum())}, "
+        f"where rounding is below {tolerance:.0e}, the largest residual is {float(residual[sharp].max()):.1e}",
         astray == 0 and bool(drawn[asked].mean() > _BALANCED),
     )
 

@@ -25,8 +25,8 @@ if TYPE_CHECKING:
     from benchmarks.rivals.race import Entry
 
 CAPTION = """\
-Error of the final state, relative to the size of the motion, over run time. Each line is a method at several
-tolerances, time steps or widths of the smoothed friction, the finer the larger its marker; a cross marks a wrong
+Error of the final state, relative to the size of the motion, against run time. Each line is a method at several
+tolerances, time steps or widths of the smoothed friction, with larger markers for finer ones; a cross marks a wrong
 motion: a different number of events of some kind, or a different attractor. The reference has 40 digits, 22 under a
 friction law. Last row: run time of the best method of each family over that of lsvib, at errors of 1e-3 and 1e-7 where
 it reaches them. Bars span the quartiles of repeats.
@@ -49,11 +49,11 @@ _CONTROLS = {
 _NUMBERS = {  # variable: where an entry has it, unit, words
     "state_error": ("errors.state", "1", "error of the final state, relative to the size of the motion"),
     "event_time_error": ("errors.times", "s", "largest error of an event's time"),
-    "amplitude_error": ("errors.amplitude", "1", "error of the steady amplitude in sizes of the motion"),
+    "amplitude_error": ("errors.amplitude", "1", "error of the steady amplitude, relative to the size of the motion"),
     "run_time": ("fastest", "s", "run time, shortest of the runs"),
 }
 _TIMES = "run time, quartiles of the shortest of each round"
-_FIRST_RUN = "discarded run of a hundredth of the scene, with what is loaded and compiled for it"
+_FIRST_RUN = "discarded run of a hundredth of the scene, loading and compilation included"
 _RATIO = "run time of the best rival of a family over that of the engine, at an equal error, quartiles of the rounds"
 _GENERAL = ("GENERAL", "TAYLOR")
 RIVALS = {  # family of methods: marker, words by the methods that it may have
@@ -135,7 +135,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
             "scene": named_index("scene", "scene", scenes, labels="; ".join(titles)),
             "method": named_index("method", "method", names, labels="; ".join(labels)),
             "rival": named_index("rival", "family of the rival", [name.lower() for name in RIVALS]),
-            "error_level": variable("error_level", levels, "1", "error of the final state that is asked for"),
+            "error_level": variable("error_level", levels, "1", "required error of the final state"),
             "quartile": variable("quartile", list(QUARTILES), "1", "share of the repeats below"),
         },
         attrs={
@@ -143,7 +143,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
             "source": "lsvib; references with 40 digits, 22 where friction depends on speed",
             "references": "doi:10.1007/978-1-4419-1752-2_8, Sects. 8.5 to 8.7",
             "timing": "processor time of one process, methods interleaved, after a discarded run; "
-            "the preparation of a method (tables, compilation) is not in it",
+            "without the preparation of a method (tables, compilation)",
             "hardware": f"{platform.machine()}, {os.cpu_count()} CPUs",
             "rival_versions": json.dumps({name: version(name) for name, module in _PACKAGES if find_spec(module)}),
         },
@@ -171,8 +171,8 @@ def _measured(rows: list[_Row], longest: int) -> dict[str, tuple]:
         ),
         "runs": variable(dims, cube(lambda e: len(e.seconds), 0, np.int32), "1", "number of runs"),
         "first_run_time": variable(dims[:2], first, "s", _FIRST_RUN),
-        "motion_verdict": flagged(dims, verdict, "whether the motion is the true one", _VERDICTS),
-        "events": variable(dims, events, "1", "number of events", comment="-1 for a method without"),
+        "motion_verdict": flagged(dims, verdict, "whether the motion is correct", _VERDICTS),
+        "events": variable(dims, events, "1", "number of events", comment="-1 for a method without events"),
         "setting": variable("setting", np.arange(longest), "1", "index of the method's setting, coarse to fine"),
     }
 
@@ -218,19 +218,19 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     missed = int(np.isin(others, (Verdict.OTHER_EVENTS, Verdict.OTHER_MOTION)).sum())
     return [
         Check.holds(
-            "The engine shows the true motion on every scene",
+            "The engine gives the true motion in every scene",
             _SOURCE,
             f"{wrong} wrong of {engine.scene.size}",
             not wrong,
         ),
         Check.holds(
-            "The engine's error is below 1e-11 on every scene",
+            "The engine's error is below 1e-11 in every scene",
             _SOURCE,
             f"largest {largest:.1e}, {scene}",
             largest < 1e-11,
         ),
         Check.holds(
-            "General solvers show a wrong motion in some runs",
+            "General solvers give a wrong motion in some runs",
             _SOURCE,
             f"{missed} of {int((others != Verdict.NOT_RUN).sum())} runs",
             missed > 0,
@@ -291,7 +291,7 @@ def _ratio_panel(axes: Axes, dataset: xr.Dataset, names: list[str]) -> None:
     axes.set(yscale="log", xlabel="Scene", ylabel="Run time over that of lsvib")
     axes.margins(y=0.25)
     for k in np.flatnonzero(~reached):
-        axes.text(k, 0.5, "none\nthat near", transform=axes.get_xaxis_transform(), fontsize=6, ha="center", va="center")
+        axes.text(k, 0.5, "not\nreached", transform=axes.get_xaxis_transform(), fontsize=6, ha="center", va="center")
     axes.set_title(f"({chr(97 + len(letters))}) ratios at equal error", fontsize=7)
     axes.figure.legend(loc="outside lower center", fontsize=6, ncols=4)
 

@@ -62,11 +62,11 @@ def test_a_claim_in_words_tells_what_was_found():
     assert not check.passed
     said = "distance 0.2500 (amplitude 0.5 against 0.25 rad, period 1 against 2 s); 0.1250 to 0.5000 over R"
     assert check.computed == f"{said}; NOT orbit distance 0.25 <= 0.02"
-    assert Check.that("fig8_06.line", line=distances).computed == "from 0.125 to 0.5 rad off"
+    assert Check.that("fig8_06.line", line=distances).computed == "from 0.125 to 0.5 rad away"
     assert Check.that("fig8_13.positive", largest=distances).computed == "largest z 0.5, 0.125 rad"
     assert Check.that("fig8_08.above", growth=distances[:0]).computed == "smallest positive one none 1/s"
     found = Check.that("fig8_06.decays", force=14.0, names="rest", starts=2, motions=clauses.every(distances > 0))
-    assert "14 N the origin" in found.claim
+    assert "14 N, the origin" in found.claim
     assert found.computed == "rest from 2 starts; all motions (2 of 2)"
     assert found.clauses == {"motions": {"found": "all motions (2 of 2)", "passed": True}}
     assert Check.from_json(json.loads(json.dumps(found.to_json()))) == found
@@ -142,7 +142,7 @@ def test_the_text_has_printed_numbers_first_and_then_a_line_for_each_check_by_fi
         *("10.1 kg", "10.107 kg", "0.069 %", "0.83 %", "pass", "fig8_08", MASS.claim)
     ]
     assert re.findall("^## (.*)$", text, re.MULTILINE) == [
-        *("Printed by the chapter", "fig8_07: 1 of 2 passed", "fig8_08: 2 of 2 passed")
+        *("Numbers printed in the chapter", "fig8_07: 1 of 2 passed", "fig8_08: 2 of 2 passed")
     ]
     assert re.findall("^- (.*)$", text, re.MULTILINE) == [
         "FAIL: mean of |N| grows & <grows>: NOT true (2 of 3) [Fig. 8.12].",

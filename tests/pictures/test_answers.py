@@ -128,7 +128,7 @@ SPOILED = [  # kind, what is done to it, and what the sentence says, or nothing 
     ("plane", lambda x: x.expand_dims(support_damping=[1e-3, 2e-3]), "cannot be drawn; motions, sweeps"),
     ("branch", lambda x: x.assign_attrs(changes="{"), "Expecting property name"),
     ("chart", lambda x: (x["behaviour"].attrs.pop("flag_meanings"), x)[1], "flag_meanings is missing"),
-    ("map", lambda x: x.isel(u=slice(0, 0)), "not as lsvib makes it, so it cannot be drawn"),
+    ("map", lambda x: x.isel(u=slice(0, 0)), "not one that lsvib writes, so it cannot be drawn"),
     ("map", lambda x: x.rename(u="thread_mismatch"), "only maps of u and w can be drawn"),
 ]  # fmt: skip
 
@@ -159,7 +159,7 @@ def test_a_motion_shows_its_phase_plane_and_friction_loop():
     slips, drawn = speed != 0, np.isfinite(v) & (v != 0)
     np.testing.assert_allclose([v[drawn], f[drawn]], [speed[slips], torque[slips]], rtol=1e-9, atol=1e-12)
     with pytest.raises(
-        InputError, match="'loop' cannot be drawn of this; of a motion phase_plane and friction_loop can"
+        InputError, match="'loop' cannot be drawn from this; from a motion phase_plane and friction_loop can"
     ):
         lsvib.draw(motion, "loop")
     with pytest.raises(InputError, match="needs sliding_speed and friction_torque among the outputs"):
@@ -177,7 +177,7 @@ def test_a_motion_shows_speed_command_rest_and_seizures():
     ends = [motion[f"event_w_{when}"][motion.event_time > 0] for when in ("before", "after")]
     assert sorted(drawn) == sorted(np.concatenate([motion.w, *ends]) + 40)
     (*_, last) = lsvib.draw(DRIVE.simulate({"u": 0.1, "w": 0.0}, 0.05, samples=20)).axes
-    assert "samples between events, so that peaks are cut" in last.get_xlabel()
+    assert "samples between events, so peaks are cut off" in last.get_xlabel()
 
 
 def test_a_branch_has_no_gap_and_its_changes_lie_on_it():

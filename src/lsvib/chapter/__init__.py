@@ -1,1 +1,1 @@
-"""The chapter: a file for each figure – how its dataset is built, checked and drawn –, and what is claimed."""
+"""The chapter: a file for each figure, which builds, checks and draws its dataset, and the checks of all claims."""

@@ -22,7 +22,7 @@ Quantities = Annotated[
     list[Literal["label", "time", "seizures", "first_event", "doubt"]],
     *Unique,
     refusing(lambda values: "label" not in values, "is not acceptable; it must hold label"),
-    Field(description="What is computed of each cell; all but the label need the motion up to its attractor."),
+    Field(description="What is computed for each cell; all but the label need the motion up to its attractor."),
 ]
 
 
@@ -30,9 +30,9 @@ class Settings(FigureSettings):
     drive: dict[str, float] = Field(description="Changes of the drive of Table 8.1; lsvib checks keys and ranges.")
     grid: dict[_Name, Coordinate] = Field(
         min_length=2,
-        description="The two coordinates that the map spans, as cells of equal width (of these two the one that is "
-        "listed first below is horizontal); other coordinates of the state as numbers. All drives have u and w, parts "
-        f"bring {', '.join(coordinates()[2:])}.",
+        description="The two coordinates that the map spans, as cells of equal width (the one listed first below is "
+        "horizontal), and the other coordinates of the state as numbers. All drives have u and w; parts add "
+        f"{', '.join(coordinates()[2:])}.",
     )
     quantities: Quantities
     tiles: int = Field(ge=1, le=100_000, description="Number of tiles; at least one cell in each.")

@@ -1,6 +1,6 @@
-"""Both halves of a figure, dataset with checks and picture, the same from Python, from the command and in the workflow.
+"""Build a figure: its dataset with checks, and its picture, the same from Python, the command line and the workflow.
 
-The workflow calls them in jobs of their own.
+The workflow runs the two in separate jobs.
 """
 
 import json

@@ -1,7 +1,7 @@
 """Checks of computed values against the chapter, kept as data: claim, expected, computed, error, tolerance, verdict.
 
-Those of a run are shown as a text by figure, and the printed numbers as a table for a report (``checks.*.j2``), with
-what became of all that the chapter states (``config/chapter.yaml``).
+The checks of a run become a text, by figure, and the printed numbers a table for a report (``checks.*.j2``), both with
+the outcome for all that the chapter states (``config/chapter.yaml``).
 """
 
 import json
@@ -31,7 +31,7 @@ _VERDICTS = {  # the first that an entry has is its own: a check may hold the ev
     "correction": "need a correction",
     "id": "are checked",
     "input": "are inputs",
-    "unchecked": "are not checked, each with the reason",
+    "unchecked": "are not checked, each for a stated reason",
 }
 _RELATIONS = {"<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge}
 

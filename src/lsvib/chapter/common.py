@@ -1,4 +1,4 @@
-"""What figures share: what a figure is, how a dataset says what it is, and the words of its flags."""
+"""What figures share: the parts of a figure, the attributes of its dataset, and small computations."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -36,7 +36,7 @@ class Figure:
 EIGENVALUE = variable("eigenvalue", np.array([1, 2]), "1", "index of the eigenvalue", "$i$")
 # The critical mass with contact as a variable: unit, words, symbol.
 CRITICAL_MASS_WITH_CONTACT = (
-    "kg", "mass at which steady sliding with the contact loses its stability", r"$m_\mathrm{cr}$",
+    "kg", "mass at which steady sliding with the contact becomes unstable", r"$m_\mathrm{cr}$",
 )  # fmt: skip
 
 

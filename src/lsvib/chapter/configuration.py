@@ -1,4 +1,4 @@
-"""Which figures there are, their settings, and one sentence about what is wrong with a configuration.
+"""The figures, their settings, and the check of a configuration, which names a mistake in one sentence.
 
 A figure is a module of this package, or of ``benchmarks.figures``, with a function ``build``; two figures that share
 one are made in it by lines ``NAME = Figure(…)``. The values of settings are those of ``config/config.yaml``, to which

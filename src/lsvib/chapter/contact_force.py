@@ -1,4 +1,4 @@
-"""The contact force: how many the rigid drive has (8.5), and how it moves while the threads are stiff (8.6)–(8.12).
+"""The contact force: how many solutions the rigid drive has (8.5), and its transient in stiff threads (8.6)–(8.12).
 
 For the short time of a contact transient θ′, T and P are constant. With N = k_c δ + c_c δ′ Newton's laws give, for
 the law s = sgn(θ′) sgn(N), b_s = cos λ + s μ sin λ and W = I P − m r_m tan λ T,
@@ -13,9 +13,9 @@ and the time are scaled by law − on both sides,
                                     law +:  x″ = ρ² (x + ζ x′) + 1/Γ_-        ρ² = b_+ |Γ_+| / (b_- Γ_-)
 
 and χ = x on the side of law −, χ = x b_+ / b_- on that of law +. So law − has a centre (ζ > 0: focus, ζ ≥ 2: node) at
-χ = 1/Γ_- and law +, with Γ_+ < 0, a saddle at χ = 1/Γ_+. Which side is whose, with θ′ > 0 (θ′ < 0 turns all signs of N
-and W): N has the sign of χ W. In the **indeterminate** case W < 0, so χ < 0 means N > 0, law +, and χ > 0 law −: both
-equilibria lie on their sides. In the **inconsistent** case W > 0, χ > 0 is law + and χ < 0 law −: neither does.
+χ = 1/Γ_- and law +, with Γ_+ < 0, a saddle at χ = 1/Γ_+. For θ′ > 0, N has the sign of χ W (θ′ < 0
+reverses all signs of N and W). In the **indeterminate** case W < 0, so χ < 0 means N > 0, law +, and χ > 0 law −: both
+equilibria lie on their own sides. In the **inconsistent** case W > 0, χ > 0 is law + and χ < 0 law −: neither does.
 """
 
 import math

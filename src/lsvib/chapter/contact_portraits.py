@@ -33,7 +33,7 @@ _SIGN_OF_FORCE = {
     Paradox.INCONSISTENT: "theta' > 0 and W > 0, so that N has the sign of chi",
 }
 _OF_RATE = (
-    "derivative of N b_- / W by the scaled time omega_- t, omega_-^2 = k_c cos(lambda) b_- Gamma_- / (m I), "
+    "derivative of N b_- / W with respect to scaled time omega_- t, omega_-^2 = k_c cos(lambda) b_- Gamma_- / (m I), "
     "b_s = cos(lambda) + s mu sin(lambda); see (8.8), (8.9)"
 )
 # Each begins at the saddle; on the side of law + where the saddle lies, or across zero force to the side of law -.
@@ -61,13 +61,13 @@ def portrait(settings: Values, paradox: Paradox, figure: str, places: str) -> xr
     ends, dims = [[*map(contact_force.outcome, case)] for case in followed], ("case", "start", "sample")
     plane, ratios = ("case", "grid_contact_force", "grid_contact_force_rate"), [c.tables.flow[1, A1] for c in cases]
     sides, on = [int(paradox), -int(paradox)], "sign of the contact force chi where the law holds"
-    becomes, times = "what becomes of the contact force", "times frequency over stiffness"
+    becomes, times = "outcome of the contact force", "times frequency over stiffness"
     outcomes = np.reshape(on_grid, (len(cases), force.size, rate.size))
     return xr.Dataset(
         {
             "contact_force": (dims, _scaled(states[..., 0], scale, paradox), _force("contact force")),
             "contact_force_rate": (dims, states[..., 1], _rate("rate of the contact force")),
-            "start_outcome": flagged(dims[:2], ends, f"{becomes} of a motion", ForceOutcome),
+            "start_outcome": flagged(dims[:2], ends, f"{becomes} in a motion", ForceOutcome),
             "grid_outcome": flagged(plane, outcomes, f"{becomes} from each state of the grid", ForceOutcome),
         }
         | _laws(cases, scale)
@@ -149,7 +149,7 @@ def _saddle_manifolds(drives: Sequence[Drive], count: int, limit: float, scale: 
     points = np.reshape(lines, (len(drives), 4, count, 2))
     points[:, 2:, :, 1] *= -1  # forwards in time again
     force, dims = _scaled(points[..., 0], scale, side), ("case", "manifold", "sample")
-    order = "samples begin at the saddle; along a stable branch time runs against them"
+    order = "samples start at the saddle; along a stable branch they run backwards in time"
     return {
         "manifold_force": (dims, force, _force("contact force on a manifold of the saddle")),
         "manifold_force_rate": (dims, points[..., 1], _rate("rate on a manifold of the saddle")),
@@ -255,12 +255,12 @@ def _indeterminate_checks(dataset: xr.Dataset) -> list[Check]:
         Check.that("fig8_01.saddle", product=each(saddle.prod("eigenvalue"), "<", 0),
                    real_eigenvalues=every(twist == 0), eigenvalues=eigenvalues),
         Check.that("fig8_01.centre", undamped_eigenvalues=every(growth[0] == 0),
-                   turning_eigenvalues=every(frequency[0] != 0), frequency=abs(frequency[0, 0])),
+                   complex_eigenvalues=every(frequency[0] != 0), frequency=abs(frequency[0, 0])),
         Check.that("fig8_01.loop", exceptions=never(bounded != inside)),
         Check.that("fig8_01.outcomes", bounded=some(bounded), unbounded=some(unbounded),
                    starts=every(bounded | unbounded)),
         Check.that("fig8_01.unbounded", ends=each(last, "<", dataset.grid_contact_force.min())),
-        Check.that("fig8_01.focus", real=each(growth[1], "<", 0), turning_eigenvalues=every(frequency[1] != 0),
+        Check.that("fig8_01.focus", real=each(growth[1], "<", 0), complex_eigenvalues=every(frequency[1] != 0),
                    imaginary=abs(frequency[1, 0])),
         Check.that("fig8_01.settles", gap=each(gap, "<", 0.01), ends=ends),
     ]  # fmt: skip
@@ -341,11 +341,11 @@ def _lines(axes: style.Axes, case: xr.Dataset) -> None:
 fig8_01 = Figure(
     ContactPortrait,
     """\
-Phase portrait of the contact force while the threads are stiff, in the indeterminate case and with the screw turning
-forwards, (a) without and (b), not in the chapter, with contact damping. Abscissa: the chapter's force χ (8.8);
-ordinate: its rate, in one scale on both sides. Law + has a saddle where the contact force is positive, law − a centre
-or a focus where it is negative; the saddle's stable manifold separates contact forces that stay bounded from those that
-grow without bound. In (a) part of the unstable manifold lies on it. Arrows point forward in time.
+Phase portrait of the contact force in stiff threads, in the indeterminate case and with the screw turning forwards, (a)
+without contact damping and (b), not in the chapter, with it. Abscissa: the chapter's force χ (8.8); ordinate: its rate,
+to the same scale on both sides. Law + has a saddle where the contact force is positive, law − a centre or a focus where
+it is negative; the saddle's stable manifold separates contact forces that stay bounded from those that grow without
+bound. In (a), part of the unstable manifold coincides with it. Arrows point forward in time.
 """,
     partial(portrait, paradox=Paradox.INDETERMINATE, figure="8.1", places="Sect. 8.2, Fig. 8.1, Remark 8.1"),
     _indeterminate_checks,
@@ -354,10 +354,10 @@ grow without bound. In (a) part of the unstable manifold lies on it. Arrows poin
 fig8_02 = Figure(
     ContactPortrait,
     """\
-Phase portrait of the contact force while the threads are stiff, in the inconsistent case and with the screw turning
-forwards, (a) without and (b), not in the chapter, with contact damping. Both equilibria lie where the other law holds,
-so there is no solution; every contact force ends growing in the first quadrant along the unstable manifold of the
-virtual saddle. Arrows point forward in time.
+Phase portrait of the contact force in stiff threads, in the inconsistent case and with the screw turning forwards, (a)
+without contact damping and (b), not in the chapter, with it. Both equilibria lie where the other law holds, so there is
+no solution; every contact force ends up growing in the first quadrant, along the unstable manifold of the virtual
+saddle. Arrows point forward in time.
 """,
     partial(portrait, paradox=Paradox.INCONSISTENT, figure="8.2", places="Sect. 8.2, Fig. 8.2"),
     _inconsistent_checks,

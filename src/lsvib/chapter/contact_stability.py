@@ -1,4 +1,4 @@
-"""Critical mass of the drive with compliant threads over its contact, and the growth rates of Lemma 8.1."""
+"""Critical mass with compliant threads against contact damping and stiffness, and the growth rates of Lemma 8.1."""
 
 from typing import Any
 
@@ -21,11 +21,12 @@ from lsvib.stability.conditions import least_damping_of_stiff_contact, unstable_
 from lsvib.stability.spectrum import eigenvalues, margins, polynomial
 
 CAPTION = """\
-Stability of steady sliding with compliant threads (drive of Table 8.1, force with the motion; contacts assumed): (a)
-the critical mass over contact damping for several contact stiffnesses, with gaps where there is none, and the contacts
-of Figs 8.10 and 8.13; (b) growth rate above the critical mass of the rigid drive, unstable beyond the dotted
-stiffnesses at any damping (Lemma 8.1); (c) growth rate below it, where an elastic contact is unstable although the
-rigid drive is stable; (d) the stable contact dampings, two intervals for soft contacts. See docs/lemmas.md.
+Stability of steady sliding with compliant threads (drive of Table 8.1, force in the direction of motion, assumed
+contacts): (a) critical mass against contact damping for several contact stiffnesses, with gaps where none exists, and
+for the contacts of Figs 8.10 and 8.13; (b) growth rate above the critical mass of the rigid drive, where steady sliding
+is unstable beyond the dotted stiffnesses at any damping (Lemma 8.1); (c) growth rate below it, where an elastic contact
+is unstable although the rigid drive is stable; (d) stable contact dampings, in two intervals for soft contacts. See
+docs/lemmas.md.
 """
 
 _CONTACT = ("contact_stiffness", "contact_damping")
@@ -114,9 +115,9 @@ def _growth_rates(drive: Drive, heavy: float, light: float, dampings: np.ndarray
     limit = least_damping_of_stiff_contact(drive.replace(mass=light))
     damping, stiff = "growth_contact_damping", "growth_contact_stiffness"
     largest, proved = "largest real part of the eigenvalues", "contact stiffness beyond which Lemma 8.1 is proved"
-    enough = "contact damping above which the smaller mass is stable for all"
-    fewer = "ends of an interval of smaller dampings at which it is also stable"
-    of_stiff = "its limit for a stiff contact"
+    enough = "contact damping above which the smaller mass is always stable"
+    fewer = "ends of an interval of smaller contact dampings at which it is also stable"
+    of_stiff = "limit of the least contact damping for a stiff contact"
     return {
         "growth_rate": variable(("mass", damping, stiff), growth, "s-1", largest, r"max Re $s$"),
         "unstable_contact_stiffness": variable(damping, above, "N m-1", proved, "$k_c$"),
@@ -261,7 +262,7 @@ def draw(dataset: xr.Dataset) -> style.Figure:
         style.frame(axes, title, stiffness, "Largest real part [s⁻¹], stable below 0", xscale="log")
     for value, colour in zip(dataset.unstable_contact_stiffness.values, _COLOURS, strict=False):
         heavy.axvline(value, color=colour, linewidth=0.9, linestyle=":")
-    words = "colours as in (c);\ndotted: unstable\nbeyond here by\nLemma 8.1"
+    words = "colours as in (c);\nbeyond dotted line:\nunstable by\nLemma 8.1"
     heavy.text(0.03, 0.7, words, fontsize=6.5, transform=heavy.transAxes)
     light.legend(loc="lower left")
     _least(least, dataset)

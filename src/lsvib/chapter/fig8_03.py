@@ -1,4 +1,4 @@
-"""Figure 8.3: stability of the steady sliding over effective inertia and damping, by eigenvalues (8.18)."""
+"""Figure 8.3: stability of steady sliding over effective inertia and damping, by eigenvalues (8.18)."""
 
 from enum import IntEnum
 from itertools import product
@@ -24,7 +24,7 @@ from lsvib.stability.spectrum import eigenvalue_pair
 
 CAPTION = """\
 Stability of steady sliding over effective inertia and effective damping, from the eigenvalues (8.18) at each point of
-the plane. Colours and words name the class; node and focus meet on the black curve.
+the plane. Colours and labels give the class; nodes and foci meet on the black curve.
 """
 
 _INERTIA = cf.attributes("kg m2", "effective inertia", r"$\Gamma_0$")
@@ -64,7 +64,7 @@ def build(settings: Values) -> xr.Dataset:
     positive = inertia[-1] * np.linspace(0, 1, inertia.size)[1:] ** 2  # dense near the vertex of the parabola
     node = 4 * np.sqrt(stiffness * positive)  # damping at which the eigenvalues are real
     met = bisected(lambda c: eigenvalue_pair(positive, c, stiffness)[:, 1].imag == 0, 0 * node, node)
-    along, words = "node_focus_effective_inertia", "effective damping where two eigenvalues meet"
+    along, words = "node_focus_effective_inertia", "effective damping at which the two eigenvalues meet"
     return xr.Dataset(
         {
             "stability": cf.flagged(plane, kinds, "class of steady sliding", Stability),
@@ -125,7 +125,7 @@ def _many_drives(drive: Drive) -> cf.Variables:
         "swept_effective_inertia": (dims, table[2], _INERTIA),
         "swept_effective_damping": (dims, table[3], _DAMPING),
         "growth_rate_of_steady_sliding": cf.variable(dims, table[4], "s-1", "largest real part of an eigenvalue"),
-        "without_solution": cf.yes_no(dims, table[5], "some state of the drive has no contact force"),
+        "without_solution": cf.yes_no(dims, table[5], "some states of the drive have no contact force"),
     }
 
 

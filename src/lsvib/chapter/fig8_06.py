@@ -24,17 +24,18 @@ from lsvib.drives.drive import Drive
 from lsvib.drives.mechanics import coefficients
 from lsvib.drives.names import MotionMode
 from lsvib.pictures import drawing, style
+from lsvib.words import plain
 
 CAPTION = """\
-Amplitude of the steady vibration over the axial force R for m = 1 kg and c_x = 1000 N s/m, with phase portraits at
-three forces below (insets in the chapter). Circles mark the forces of the portraits. Vibration sets in at the onset
-force, just touches rest at the stick force, and no longer reaches N = 0 beyond the detach force.
+Amplitude of the steady vibration against axial force R for m = 1 kg and c_x = 1000 N s/m; below, phase portraits at
+three forces (insets in the chapter), which circles mark on the curve. Vibration sets in at the onset force, first comes
+to rest at the stick force, and no longer reaches N = 0 beyond the detach force.
 """
 
 _THRESHOLDS = {"onset_force": "onset", "stick_force": "stick", "detach_force": "detach"}  # with words in the picture
 _REGIMES = {  # what the drive does: colour, words, dashes
     "no vibration": (style.BLACK, "no vibration", "-"),
-    "pure slip": (style.BLUE, "cycle of pure slip", "-"),
+    "pure slip": (style.BLUE, "pure-slip cycle", "-"),
     "stick slip with contact reversal": (style.ORANGE, "stick–slip, reaches $N = 0$", "-"),
     "stick slip": (style.VERMILION, "stick–slip, $N > 0$", (0, (2, 0.6))),
 }
@@ -103,7 +104,7 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
     for own in (insets[-1].replace(friction_coefficient=float(x)) for x in frictions):  # from θ′ = 0 and z = 0
         motion = phase_plane.followed(own, {"u": -float(coefficients(own).deflection), "w": -own.input_speed}, 1e-9)
         holding.append(motion.automaton.codes[motion.arcs()[0][0]] == MotionMode.REST)
-    said = "the screw, standing in an untwisted coupling, stays at rest under the largest force of a portrait"
+    said = "the screw, at rest with an untwisted coupling, stays at rest under the largest force of a portrait"
     holds = {"holds_without_torque": yes_no("swept_friction_coefficient", holding, said)}
     _, kinds = behaviours(product_of(drives[0], {"axial_force": forces.tolist()}))
     dim, slowest = "swept_axial_force", [s.extremes(np.array([0, 1.0, 0]))[0] for s in steady]
@@ -129,7 +130,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     insets = []
     for found, inset in zip(dataset.attractor, force, strict=True):
         id, kind = (row[np.searchsorted(limits, inset)] for row in (_INSETS, _REACHED))
-        told = {"names": sorted(counted(found)), "starts": dataset.sizes["start"], "force": inset}
+        told = {"names": sorted(map(plain, counted(found))), "starts": dataset.sizes["start"], "force": inset}
         insets.append(Check.that(id, motions=every(named(found, kind)), **told))
     return [
         *newton.portrait_checks(dataset, "Fig. 8.6"),
@@ -182,7 +183,7 @@ def _reading_checks(dataset: xr.Dataset) -> list[Check]:
     wrong = [abs(x / claims()[id].value - 1) > 0.1 for id, x in inertias.items()]
     forces = {chapter.THRESHOLDS[name]: float(theirs[f"reading_{name}"]) for name in ("stick_force", "detach_force")}
     off = [not abs(force / claims()[id].value - 1) <= 0.02 for id, force in forces.items()]
-    read = f"as printed, read as that of m = {other:g} kg (with the stated m = {stated:g} kg it is"
+    read = f"as printed, taken for m = {other:g} kg (for the stated m = {stated:g} kg it is"
     p = dataset.assign_coords(mass=dataset.reading_mass)
     laws = {
         name: near(dataset[f"reading_{name}"], getattr(printed_laws, name.split("_")[1])(p, sign), 1e-12)
@@ -193,7 +194,7 @@ def _reading_checks(dataset: xr.Dataset) -> list[Check]:
         Check.of("fig8_06.damping_minus", ours.reading_effective_damping_minus),
         Check.of("fig8_06.damping_plus", ours.reading_effective_damping_plus),
         *(
-            Check.of(id, theirs[f"reading_effective_{name}"], note=f"{read} {inertias[id]:.3g} kg m2)")
+            Check.of(id, theirs[f"reading_effective_{name}"], note=f"{read} {inertias[id]:.3g} kg m²)")
             for name, id in stands.items()
         ),
         Check.that("fig8_06.readings", **laws, onset=near(dataset.reading_onset_force, drag, 1e-12),

@@ -21,11 +21,11 @@ from lsvib.pictures import drawing, style
 
 CAPTION = """\
 The four sectors of the phase plane in the region of Painlevé's paradoxes: no solution in the hatched sectors, two
-solutions in the others. The lines are zero contact force and zero velocity of the screw; the labels give the signs of
-both, first for law −, under which motions slip. Not in the chapter's figure: the motions, each drawn to the end of the
-first seizure into which it slips, after which it continues to the limit cycle. One seizes at its start, so far to the
-right that the coupling holds the screw: it rests (green bar) while the input turns on and u falls at the rate Ω, until
-the screw can slip forwards again.
+solutions in the others. The lines mark zero contact force and zero speed of the screw; the labels give the signs of
+both, first for law −, under which the screw slips. Not in the chapter's figure: the motions, each drawn to the end of
+the first seizure that follows slip, from which it continues to the limit cycle. One seizes at its start, so far to the
+right that the coupling holds the screw: it rests (green bar) while the input keeps turning and u falls at the rate Ω,
+until the screw can slip forwards again.
 """
 
 _SECTORS = {"inconsistent": ("#F7D9C4", "////", "no solution"), "indeterminate": ("#FFFFFF", None, "two solutions")}
@@ -51,7 +51,7 @@ def build(settings: Values) -> xr.Dataset:
         first = np.flatnonzero(motion.kind == Event.SEIZURE)[:1] + 1  # of a start that does not seize, none
         rests.flat[k] = durations[first][motion.automaton.codes[modes[first]] == MotionMode.REST].sum()
     planes = phase_plane.portraits(settings, [drive], (), ("Sect. 8.6",)).assign_coords(
-        {"equilibrium_angle": variable((), equilibrium, "rad", "equilibrium of the equation of law -", "$u_0$")}
+        {"equilibrium_angle": variable((), equilibrium, "rad", "equilibrium of law -", "$u_0$")}
         | phase_plane.grid_axes(angle, velocity)
     )
     return planes.assign(

@@ -1,4 +1,4 @@
-"""Figure 8.8: eigenvalues of the steady sliding against the translating mass, and the critical mass Γ₊ = 0."""
+"""Figure 8.8: eigenvalues of steady sliding against the translating mass, and the critical mass, where Γ₊ = 0."""
 
 from typing import Annotated
 
@@ -21,9 +21,9 @@ from lsvib.pictures import style
 from lsvib.stability.spectrum import eigenvalue_pair
 
 CAPTION = """\
-Eigenvalues (8.18) of steady sliding over the translating mass: (a) real and (b) imaginary parts. Close to the critical
-mass the imaginary parts return to zero, where both eigenvalues meet and become real; beyond it the effective inertia is
-negative and one eigenvalue is positive. The real parts diverge there and are cut off in (a).
+Eigenvalues (8.18) of steady sliding against the translating mass: (a) real and (b) imaginary parts. Just below the
+critical mass the imaginary parts return to zero, where both eigenvalues meet and become real; above it the effective
+inertia is negative and one eigenvalue is positive. At the critical mass the real parts diverge; (a) cuts them off.
 """
 
 _CRITICAL = {"color": style.BLACK, "linewidth": 0.8, "linestyle": ":", "label": r"critical mass $m_\mathrm{cr}$"}
@@ -111,7 +111,7 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     critical, largest = float(dataset.critical_mass), float(dataset.eigenvalue_imaginary_part.max())
     # Half height in largest imaginary parts: real ones diverge and are cut here.
     limits = {"xlim": (0, dataset.mass[-1]), "ylim": (-1.15 * largest, 1.15 * largest)}
-    titles = {"real": "(a) real parts, cut above and below", "imaginary": "(b) imaginary parts"}
+    titles = {"real": "(a) real parts, cut off above and below", "imaginary": "(b) imaginary parts"}
     for (word, title), axes in zip(titles.items(), panels, strict=True):
         for index, colour, dashes in ((1, style.BLUE, "-"), (2, style.VERMILION, (0, (4, 2)))):
             part = dataset[f"eigenvalue_{word}_part"].sel(eigenvalue=index)

@@ -16,7 +16,7 @@ from lsvib.pictures import drawing, style
 
 CAPTION = """\
 Trajectories of the rigid drive (a) below and (b) above the critical mass; triangles on the lines point forward in time.
-Below, the motion decays to steady sliding; above, it seizes (sprag) and slips in turn for ever.
+Below it, the motion decays to steady sliding; above it, the screw alternately seizes (sprag) and slips for ever.
 """
 
 _SWEEP = "of the last case with another axial force, from the first start"

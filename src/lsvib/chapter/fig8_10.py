@@ -17,14 +17,14 @@ from lsvib.pictures import drawing, style
 
 CAPTION = """\
 Compliant threads, k_c = c_c = 10⁸ (SI): (a) phase plane with the cycle of the rigid drive; (b) contact force on a
-broken axis, its peaks in kN above and the sliding between them in N below. Not in the chapter: (c) peak (left) and
-distance to the rigid cycle (right) over R, which the text does not state. The dot marks the force of (a) and (b), 50 N
-assumed.
+broken axis, with its peaks in kN above and the sliding between them in N below. Not in the chapter: (c) peak (left) and
+distance from the rigid cycle (right) against R, which the text does not state. The dot marks the force assumed in (a)
+and (b), 50 N.
 """
 
 _PEAK = ("N", "largest normal force on the cycle", "$N$")
 _DISTANCE = (
-    "1", "distance of the compliant from the rigid cycle, in scales of the rigid amplitude and the input speed",
+    "1", "distance between compliant and rigid cycle, scaled by the rigid amplitude and the input speed",
 )  # fmt: skip
 
 
@@ -152,12 +152,12 @@ def draw(dataset: xr.Dataset) -> style.Figure:
                  label=f"printed ± {100 * part:g} %")  # fmt: skip
     over.plot(force, dataset.swept_peak_normal_force / 1e3, color=style.BLUE)
     over.plot(dataset.axial_force, dataset.peak_normal_force / 1e3, "o", color=style.BLUE)
-    over.set(title="(c) ours: over $R$", xlabel=style.label(force, "Axial force"), xlim=(0, float(force[-1])))
+    over.set(title="(c) ours: against $R$", xlabel=style.label(force, "Axial force"), xlim=(0, float(force[-1])))
     over.set_ylabel("Peak of $N$ [kN]", color=style.BLUE)
     over.tick_params(axis="y", which="both", right=False)
     distance = over.twinx()
     distance.plot(force, 100 * dataset.swept_orbit_distance, color=style.GREEN, linestyle="--")
-    distance.set_ylabel("Distance to rigid cycle [%]", color=style.GREEN)
+    distance.set_ylabel("Distance from rigid cycle [%]", color=style.GREEN)
     distance.set_ylim(0, None)
     return style.legend(figure, [plane, panels["peaks"], over], 4)
 

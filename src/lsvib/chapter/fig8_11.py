@@ -1,4 +1,4 @@
-"""Figure 8.11: effect of the support damping on the sprag–slip cycle, with the line N = 0 of each damping."""
+"""Figure 8.11: effect of the support damping on the sprag–slip cycle, with the line N = 0 for each damping."""
 
 import numpy as np
 import xarray as xr
@@ -15,7 +15,7 @@ from lsvib.pictures import drawing, style
 CAPTION = """\
 Sprag–slip cycles of the rigid drive for three levels of support damping c (assumed), each with its line of zero contact
 force; triangles point forward in time. The screw slips to the left of the line, where N < 0, and seizes where the
-trajectory reaches it: to the right of it forward slip has no solution.
+trajectory reaches it: to the right of it, forward slip has no solution.
 """
 
 

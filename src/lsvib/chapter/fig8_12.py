@@ -19,9 +19,9 @@ from lsvib.numbers import bisected
 from lsvib.pictures import style
 
 CAPTION = """\
-Sprag–slip cycle over the support damping c: (a) amplitude, (b) mean deflection of the coupling and (c) mean contact
-force, with the contribution of the seizure impulses. Both resume rules give these lines; they differ only below the
-damping at which the screw begins to rest, 31 × 10⁻⁶ N m s/rad.
+Sprag–slip cycle against support damping c: (a) amplitude, (b) mean deflection of the coupling and (c) mean contact
+force, with the contribution of the seizure impulses. Both resume rules give these curves, except below 31 × 10⁻⁶ N m
+s/rad, where the screw rests after a seizure.
 """
 
 _QUANTITIES = {
@@ -88,7 +88,7 @@ def _resting_damping(drive: Drive, start: Values, largest: float) -> float:
         return orbit is None or bool((orbit.automaton.codes[orbit.arcs()[0]] == MotionMode.REST).any())
 
     if rests(largest):
-        raise InputError(f"support_damping: the screw still rests at the stop, {largest:g}; give a larger one.")
+        raise InputError(f"support_damping: the screw still rests at stop = {largest:g}; give a larger stop.")
     return bisected(lambda damping: not rests(damping), 0.0, largest) if rests(0.0) else 0.0
 
 

@@ -1,4 +1,4 @@
-"""Figure 8.13: with softer contacts the motion is smoother, and the coupling deflection turns positive in sprag."""
+"""Figure 8.13: with softer contacts the motion is smoother and the coupling deflection turns positive during sprag."""
 
 import numpy as np
 import xarray as xr
@@ -108,6 +108,6 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     labels = style.label(dataset.cycle_u, "deviation"), style.label(dataset.cycle_w, "rate")
     style.frame(plane, "(a) phase plane", *labels)
     deflection.axhline(0, color=style.GREEN, linewidth=0.9, linestyle=":")
-    words = "Time after the smallest $z$ / period", "Coupling deflection $z$ [rad]"
+    words = "Time since the minimum of $z$ / period", "Coupling deflection $z$ [rad]"
     style.frame(deflection, "(b) coupling deflection over a period", *words, xlim=(0, 1))
     return style.legend(figure, [plane, deflection], 2)

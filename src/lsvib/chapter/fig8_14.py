@@ -1,9 +1,9 @@
 """Figure 8.14: region of attraction under a negative axial force, for both readings of the mass.
 
-The text states m = 10 kg, for which Γ₊ > 0, but Sect. 8.7 assumes Γ₊ < 0: the same two forces are also computed for
-a mass beyond m_cr.
+The text states m = 10 kg, for which Γ₊ > 0, but Sect. 8.7 assumes Γ₊ < 0: the two forces are also computed for a
+mass beyond m_cr.
 
-Beyond m_cr seizures accumulate in the corner θ′ = 0 = Q, as the chapter reads its resume rule. With the line N = 0
+Beyond m_cr, as the chapter reads its resume rule, seizures accumulate at the corner θ′ = 0 = Q. With the line N = 0
 as u = u_0 + σ (u′ + Ω), σ < 0, and the acceleration −a, a reverse slip from a distance d lasts d / (Ω + |σ| a) to first
 order, so the distances fall with the ratio q = |σ| a / (Ω + |σ| a): infinitely many seizures in finite time.
 """
@@ -33,7 +33,7 @@ Trajectories under a negative axial force, c = 1e-3 N m s/rad, (a) for R = −50
 chapter, whose mass of 10 kg gives no limit cycle in (b). Not in the chapter: (c), (d) the same for m = 11 kg, beyond
 the critical mass as Sect. 8.7 assumes, where (d) has the limit cycle. Shading shows the attractor reached from each
 initial state. If motion resumes at once after a seizure, as in the chapter, seizures accumulate in finite time at the
-corner of N = 0 and θ′ = 0 in (c) and (d); those drawn resume by the sign of the contact force. See docs/physics.md.
+corner of N = 0 and θ′ = 0 in (c) and (d); those drawn follow the sign of the contact force. See docs/physics.md.
 """
 
 _CHANGED = ("mass", "axial_force")  # in which the cases differ
@@ -114,13 +114,13 @@ def _first_events(drives: Sequence[Drive], maps: xr.Dataset, duration: float) ->
         rests = motion.automaton.codes[motion.mode[at_once]] == MotionMode.REST
         later[case, probe] = (~at_once).sum() + rests.sum()
     dims, when, about_first = ("case", "probe"), "of the motion from the cell", flags(Event, none=True)
-    about_mode = attributes("1", f"mode after what happens at once {when}", **flags(MotionMode, none=True))
+    about_mode = attributes("1", f"mode after the immediate event {when}", **flags(MotionMode, none=True))
     return {
         **phase_plane.curve("probe", "probe", np.transpose([u, w]), "of a cell of the map"),
         "probe_attractor": phase_plane.attractors(dims, few.grid_attractor.transpose(*dims).values),
-        "probe_event": (dims, first.astype(np.int8), attributes("1", f"event at once {when}", **about_first)),
+        "probe_event": (dims, first.astype(np.int8), attributes("1", f"immediate event {when}", **about_first)),
         "probe_mode_after": (dims, mode.astype(np.int8), about_mode),
-        "probe_w_after": variable(dims, rate, "rad s-1", f"rate of the deviation after that event {when}"),
+        "probe_w_after": variable(dims, rate, "rad s-1", f"rate of the deviation after the immediate event {when}"),
         "probe_later_events": variable(dims, later, "1", f"number of later events and rests {when}"),
     }
 
@@ -131,7 +131,7 @@ def _corners(drives: Sequence[Drive]) -> Variables:
     for drive in drives:
         starts = [{"u": _corner(drive) - x, "w": -drive.input_speed} for x in _DISTANCES]
         ends.append([[phase_plane.reached(drive, start, rule).label for start in starts] for rule in RULES])
-    words = "attractor of the motion from standstill so far below the corner"
+    words = "attractor of the motion from standstill at this distance below the corner"
     return {
         "corner_attractor": phase_plane.attractors(("case", "rule", "corner_distance"), ends, words),
     }
@@ -144,7 +144,7 @@ def _basins(drives: Sequence[Drive], settings: Values, threshold: float) -> Vari
     window = {x: (settings[name]["start"], settings[name]["stop"]) for x, name in (("u", "angle"), ("w", "velocity"))}
     forces = np.unique([*_FORCES, threshold * (1 - 1e-6), threshold * (1 + 1e-6)])
     areas = [basin(drives[-1].replace(axial_force=force)).area() for force in forces.tolist()]
-    shares, words = [basin(drive).fraction(window) for drive in drives], "area of the basin, infinite without a bound"
+    shares, words = [basin(drive).fraction(window) for drive in drives], "area of the basin, infinite if unbounded"
     return {
         "basin_fraction": variable("case", shares, "1", "fraction of the window that steady sliding attracts, exact"),
         **varied(swept_axial_force=forces),
@@ -170,7 +170,7 @@ def _reverse_slips(drives: Sequence[Drive], start: Values, duration: float) -> V
     seizures = [[seized(drive, rule) for rule in RULES] for drive in drives]
     longest = max(1, *(angles.size for row in seizures for angles in row))
     table = [[np.append(x, [np.nan] * (longest - x.size)) for x in row] for row in seizures]
-    words = "deviation at the seizures of the last motion, before it is released"
+    words = "deviation at the seizures of the last motion before its first release"
     return {"seizure_angle": variable(("case", "rule", "seizure"), table, "rad", words, "$u$")}
 
 
@@ -193,8 +193,8 @@ def checks(dataset: xr.Dataset) -> list[Check]:
         _attractor_check(dataset.isel(case=3), "fig8_14.cycle", "sprag slip cycle"),
         *_event_checks(dataset.isel(case=[2, 3])),
         Check.that("fig8_14.corner", starts_of_a=every(first), rules_of_b=every(~second.all(axis=1)), **starts),
-        Check.that("fig8_14.between", of_a=each(force[2], "<", threshold), of_b=each(force[3], ">", threshold),
-                   threshold=threshold),
+        Check.that("fig8_14.between", force_of_a=each(force[2], "<", threshold),
+                   force_of_b=each(force[3], ">", threshold), threshold=threshold),
         *_basin_checks(dataset, threshold),
         *_accumulation_checks(dataset.isel(case=gamma < 0)),
     ]  # fmt: skip

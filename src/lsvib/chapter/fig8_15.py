@@ -23,7 +23,7 @@ from lsvib.stability.boundaries import place_values
 from lsvib.stability.spectrum import UndampedClass, eigenvalues, reciprocal_squares, undamped_class
 
 CAPTION = """\
-Stability of the undamped drive with axial support, R Ω > 0, over friction coefficient and support stiffness, by the
+Stability of the undamped drive with axial support, R Ω > 0, over friction coefficient and support stiffness, from the
 generalised eigenvalues of (8.23) at each point, with the boundaries (8.29) in closed form and the critical friction
 coefficient (8.27). Beyond the upper branch, where the effective inertia of the drive with a rigid support is negative,
 both modes diverge by (8.25). In the horizontally hatched region, which the chapter calls the primary kinematic
@@ -74,7 +74,7 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
     kinds, plane = undamped_class(grid, law=1), ("friction_coefficient", "support_stiffness")
     branches = _branches(_printed({**dict(drive), "friction_coefficient": curve}))
     along, word = "boundary_friction_coefficient", "critical friction coefficient"
-    passing = "friction coefficient where an eigenvalue 1/omega^2 passes through zero"
+    passing = "friction coefficient at which an eigenvalue 1/omega^2 passes through zero"
     largest = math.nextafter(1 / math.tan(drive.lead_angle), 0)
 
     def turned(coefficient: float) -> bool:
@@ -106,7 +106,7 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
             __doc__,
             "generalised eigenvalues of (8.23), boundaries (8.29) in closed form",
             "Sect. 8.8.1, Fig. 8.15",
-            comment="R Omega > 0; undamped; the text names Table 7.1, which is not in the chapter, for the parameters",
+            comment="R Omega > 0; undamped; for the parameters the text cites Table 7.1, which is not in the chapter",
         ),
     )
 

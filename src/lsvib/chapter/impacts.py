@@ -1,6 +1,6 @@
-"""What a stiff contact does after an impact, and between two solutions, beside the rigid drive (Sects 8.2, 8.6).
+"""A stiff contact after an impact and where there are two solutions, compared with the rigid drive (Sects 8.2, 8.6).
 
-docs/limit_process.md says what the branches are, which contacts have the rigid drive as their limit, and by what rule.
+docs/limit_process.md explains the branches, the contacts whose limit is the rigid drive, and the rule of this limit.
 """
 
 from collections.abc import Iterator, Sequence
@@ -90,7 +90,7 @@ def limit(drive: Drive) -> cf.Variables:
         "rule": RULE,
         "impact_sign": ("branch", signs.astype(np.int8), cf.SIGNS | {"long_name": "sign of the impact, 0: a cycle"}),
         "motion_distance": cf.variable((*dims, "rule"), distances, "1", far),
-        "stop_time": cf.variable(dims, times, "s", "time that an impact takes, until the screw first stands"),
+        "stop_time": cf.variable(dims, times, "s", "duration of an impact, until the screw first stops"),
         **_between_solutions(drives[0]),
     }
 
@@ -140,7 +140,7 @@ def _between_solutions(drive: Drive) -> cf.Variables:
         instants.append((*motion.time, np.nan)[0])
     dims = ("contact_kind", "multiple", "swept_contact_stiffness")
     kinds, times = (np.reshape(x, (2, len(_MULTIPLES), _STIFFNESS.size)) for x in (events, instants))
-    event = "first event from a multiple of the contact force of the saddle"
+    event = "first event from a multiple of the saddle's contact force"
     return {
         "indeterminate_event": (dims, kinds.astype(np.int8), cf.attributes("1", event, **cf.flags(Event, none=True))),
         "indeterminate_time": cf.variable(dims, times, "s", f"time of the {event}"),

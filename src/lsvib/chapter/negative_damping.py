@@ -1,4 +1,4 @@
-"""Figures 8.4 and 8.5: phase plane under negative damping, with a force that lets the origin repel or attract."""
+"""Figures 8.4 and 8.5: phase planes under negative damping, with a force that makes the origin unstable or stable."""
 
 from functools import partial
 from typing import Literal
@@ -113,7 +113,7 @@ Arrows point forward in time.
     partial(
         plane,
         figure="8.4",
-        words="under negative damping with N_0 Ω > 0: the origin is unstable, a limit cycle attracts",
+        words="under negative damping with N_0 Ω > 0: the origin is unstable, and a limit cycle attracts",
     ),
     _repelling_checks,
     drawing.single,

@@ -1,6 +1,6 @@
-"""Newton's laws of screw and nut as a yardstick: residuals along stored motions, and what the laws give by themselves.
+"""Newton's laws of screw and nut as an independent check: residuals along stored motions, and thresholds.
 
-All of it follows from the numbers of a dataset; nothing asks the engine or the coefficients it is made of. Where the
+Everything follows from the numbers of a dataset, without the engine or the coefficients that it is made of. Where the
 threads are rigid, the two equations
 
     I θ″ = −k z − c θ′ − r_m N (s μ cos λ − sin λ),    m x″ = R − c_x x′ − N (cos λ + s μ sin λ),    x = r_m tan λ θ,

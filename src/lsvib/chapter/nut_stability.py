@@ -21,10 +21,10 @@ from lsvib.stability.boundaries import place_values
 from lsvib.stability.spectrum import UndampedClass, eigenvalues, polynomial, reciprocal_squares, undamped_class
 
 CAPTION = """\
-Stability of steady sliding with a rotating nut (drive of Table 8.1, force with the motion; mass and nut assumed): (a)
-the critical mass over the inertia of the nut, by (8.33) and by eigenvalues, below that of the rigid drive (Remark 8.6);
-(b) the classes by eigenvalues over friction coefficient and inertia of the nut, with the boundary (8.33). There is
-neither flutter nor divergence.
+Stability of steady sliding with a rotating nut (drive of Table 8.1, force in the direction of motion, assumed mass and
+nut): (a) critical mass against the inertia of the nut, by (8.33) and by eigenvalues, below that of the rigid drive
+(Remark 8.6); (b) classes by eigenvalues over friction coefficient and inertia of the nut, with the boundary (8.33).
+Neither flutter nor divergence occurs.
 """
 
 _COLOURS = {"stable": "#FFFFFF", "kinematic constraint": "#F7D9C4", "flutter": style.SKY, "divergence": style.BLUE}

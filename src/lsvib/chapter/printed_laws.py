@@ -1,4 +1,4 @@
-"""Equations of Sects 8.1 to 8.4 as they are printed, in doubles from a dataset's parameters, against its motions."""
+"""Equations of Sects 8.1 to 8.4 as printed, from a dataset's parameters, for comparison with its motions."""
 
 from typing import Any
 

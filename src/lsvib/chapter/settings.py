@@ -157,7 +157,7 @@ class ContactPortrait(DriveFigure):
 
     contact_stiffness: Stiffness
     contact_dampings: tuple[_Zero, Annotated[float, parameter("contact_damping", Gt(0))]] = Field(
-        strict=False, description="Contact damping of both panels, none first [N s/m]."
+        strict=False, description="Contact damping of both panels, zero first [N s/m]."
     )
     force: Span = Field(description="Contact force in the scale of the chapter [1/(kg m2)].")
     rate: Span = Field(description="Its rate, in the same scale [1/(kg m2)].")

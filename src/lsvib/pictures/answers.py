@@ -78,7 +78,7 @@ def _dataset(answer: Any) -> xr.Dataset:
     if isinstance(answer, Cycles) and answer.cycles:
         attracting = ("cycle", [cycle.attracting for cycle in answer.cycles])
         return xr.Dataset(steady | orbits([cycle.orbit for cycle in answer.cycles]) | {"attracting": attracting})
-    empty = {Basin: "a basin without a boundary", Cycles: "what has no cycle"}
+    empty = {Basin: "a basin without a boundary", Cycles: "an answer without a cycle"}
     raise InputError(f"{empty.get(type(answer), shown(answer))} cannot be drawn; {_CAN}.")
 
 
@@ -93,7 +93,7 @@ def _drawn(dataset: xr.Dataset, kind: str | None) -> style.Figure:
     except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
         reason = str(error.args[0] if error.args else error).strip().rpartition("\n")[2].partition(". ")[0]
         reason += " is missing" if isinstance(error, KeyError) and " " not in reason else ""
-        raise InputError(f"the dataset is not as lsvib makes it, so it cannot be drawn: {reason}.") from error
+        raise InputError(f"the dataset is not one that lsvib writes, so it cannot be drawn: {reason}.") from error
     return figure
 
 
@@ -102,7 +102,7 @@ def _picture(dataset: xr.Dataset, kind: str | None) -> style.Figure:
     motion = not own and "event_kind" in dataset and "w" in dataset and dataset.w.dims == ("time",)
     kinds = {"phase_plane": _phase_plane, "friction_loop": _friction_loop}  # of a motion, besides that over time
     if kind is not None and not (motion and kind in kinds):
-        raise InputError(f"{shown(kind)} cannot be drawn of this; of a motion {' and '.join(kinds)} can.")
+        raise InputError(f"{shown(kind)} cannot be drawn from this; from a motion {' and '.join(kinds)} can.")
     if motion:
         return kinds.get(kind or "", _motion)(dataset)
     if "attracting" in dataset and "changes" in dataset.attrs:

@@ -92,7 +92,7 @@ def with_events(dataset: xr.Dataset, begin: bool = True) -> xr.Dataset:
     events = dataset[[name for name, own in dataset.data_vars.items() if own.dims == ("event",)]]
     found = events.assign({name: ("sample", x[order], dataset[name].attrs) for name, x in points.items()})
     if (each := dataset.sizes["time"] / max(order.size - dataset.sizes["time"], 1)) < 4:
-        found.time.attrs["long_name"] += f" ({2 * each:.2g} samples between events, so that peaks are cut)"
+        found.time.attrs["long_name"] += f" ({2 * each:.2g} samples between events, so peaks are cut off)"
     return found
 
 

@@ -27,9 +27,7 @@ def torque_panel(axes: style.Axes, dataset: xr.Dataset) -> None:
                 axes.plot(dataset.law_speed / RPM, law.sel(direction=sense), color=colour, linewidth=1, label=label)
                 label = ""
     low, high = axes.get_ylim()
-    axes.set(
-        xlabel="Speed of the screw [rpm]", ylabel="Torque of the motor [mN m]", ylim=(low, high + 0.25 * (high - low))
-    )
+    axes.set(xlabel="Screw speed [rpm]", ylabel="Motor torque [mN m]", ylim=(low, high + 0.25 * (high - low)))
     axes.legend(fontsize=7, ncols=2, loc="upper left")
 
 
@@ -43,7 +41,7 @@ def residual_panel(axes: style.Axes, dataset: xr.Dataset) -> None:
         for end in others:
             axes.plot(speed, end, "x", color=colour, markersize=3, label=f"{words}, bearing end")
     axes.axhline(0, color=style.GREY, linewidth=0.6)
-    axes.set(xlabel="Speed of the screw [rpm]", ylabel="Torque [mN m]")
+    axes.set(xlabel="Screw speed [rpm]", ylabel="Torque [mN m]")
     axes.legend(fontsize=7)
 
 
