@@ -24,9 +24,9 @@ CAPTION = """\
 Drive 1 of Mablekos-Alexiou, da Cruz and Bergeles (IEEE Trans. Robotics 37:1252, 2021): a 12 mm screw with a lead of 2
 mm and 0.096 kg hanging from its carriage. (a) Motor torque over speed: mean and standard deviation of the 500 samples
 of each steady file, and the fitted law with all friction in the threads. (b) Two seconds of the files at 2 rpm, which
-jerk, and the cycle of the model. (c) Speed above which the model runs steadily from rest, over the damping c of command
-and bearing; the shaded dampings explain which files jerk and which are steady. (d) Residuals of the means, with their
-standard errors.
+jerk, and the cycle of the model. (c) Speed above which the model runs steadily from rest, against the damping c of
+command and bearing; the shaded dampings explain which files jerk and which are steady. (d) Residuals of the means, with
+their standard errors.
 Explained: the torque climbs as if through a spring of 0.0215 N m/rad. With as much friction in the bearing as possible,
 2.37 mN m sliding and 3.17 static, and a damping of 1.23 × 10⁻⁴ N m s/rad, the model jerks as often as the screw in both
 directions, to 1 %, with the same torque, to 0.03 mN m, and the same swing, to 3 %. Static friction and damping are
@@ -421,9 +421,9 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     record.legend(fontsize=7, ncols=2, loc="upper left", columnspacing=0.8, handletextpad=0.3)
     as_often = float(dataset.jerking_damping)
     limit.axvline(as_often, color="black", linestyle=":", linewidth=0.9)
-    limit.annotate("jerks as often", (as_often, 1.2), xytext=(4, 0), textcoords="offset points", fontsize=7)
+    limit.annotate("same jerk period", (as_often, 1.2), xytext=(4, 0), textcoords="offset points", fontsize=7)
     at = math.sqrt(low * high)
-    for rpm, mark, words in ((SLOW / RPM, "v", "jerked"), (EVEN / RPM, "^", "ran smoothly")):
+    for rpm, mark, words in ((SLOW / RPM, "v", "jerked"), (EVEN / RPM, "^", "was steady")):
         limit.plot(at, rpm, mark, color="black", markersize=4)
         limit.annotate(words, (at, rpm), xytext=(6, 0), textcoords="offset points", va="center", fontsize=7)
     limit.set(yscale="log", ylabel="Screw speed [rpm]", ylim=(1, 100),

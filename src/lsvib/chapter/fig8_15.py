@@ -210,7 +210,7 @@ def _boundary_checks(dataset: xr.Dataset, drive: Values, p: SimpleNamespace) -> 
     odd = ((roots >= 0) & (p.b_2 < 0)) != ((p.reduced >= 0) & (p.lever > 0))
     return [
         Check.that("fig8_15.apart", flutter_points=some(flutter), kinematic_points=some(kinematic),
-                   both_in_flutter=never(a_4[flutter] < 0), both_in_kinematic=never(discriminant[kinematic] < 0)),
+                   flutter_in_both=never(a_4[flutter] < 0), kinematic_in_both=never(discriminant[kinematic] < 0)),
         Check.that("fig8_15.branches", exceptions=never(odd_flutter),
                    exceptions_beyond=never((divergence != beyond)[judged]), divergence=divergence),
         Check.that("fig8_15.third", steps=each(np.diff(first), "<=", 0), lowered=each(first[-1:] - first[:1], "<", 0),
@@ -244,7 +244,7 @@ def _support_checks(dataset: xr.Dataset, drive: Values) -> list[Check]:
     locked = Drive.of(rigid, friction_coefficient=float(dataset.critical_friction))
     critical_mass = [*place_values(locked, "kinematic_constraint", "mass"), np.nan][0]
     return [
-        Check.that("fig8_15.necessary", points=never(early), against=each(against, ">=", drive["screw_inertia"])),
+        Check.that("fig8_15.necessary", points=never(early), law_minus=each(against, ">=", drive["screw_inertia"])),
         Check.of("fig8_15.reduced_mass", critical_mass, expected=together(drive["mass"], drive["screw_mass"])),
         Check.that("fig8_15.paradoxes", points=every(kinematic == paradox[:, None])),
         Check.that("fig8_15.flutter", frictions=every(kinds[there] == UndampedClass.FLUTTER)),
