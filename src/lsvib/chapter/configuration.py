@@ -47,7 +47,7 @@ def module_of(figure: str) -> str:
     """Return the name of the module of a figure; raises ``InputError`` if there is no such figure."""
     if figure in BENCHMARKS:
         if not Path(_CHECKOUT, "benchmarks", "figures").is_dir():
-            raise InputError(f"figure {figure} does not exist here: the benchmarks come with a checkout of lsvib only.")
+            raise InputError(f"figure {figure} does not exist here: the benchmarks come only with a checkout of lsvib.")
         return f"benchmarks.figures.{figure}"
     if figure not in (*FIGURES, "attraction", "chart"):
         raise InputError(f"figure = {figure!r} is not one of {', '.join((*FIGURES, *BENCHMARKS))}.")

@@ -60,7 +60,7 @@ def contact_automaton(drive: Drive, paradox: Paradox, *, backwards: bool = False
     c = coefficients(drive)
     plus, minus = float(c.gamma[1]), float(c.gamma[-1])
     if plus >= 0:
-        raise InputError("The effective inertia of law + is not negative: there is no paradox.")
+        raise InputError("The effective inertia of law + is not negative, so there is no paradox.")
     square = -force_scale(drive) * plus / minus  # ρ²
     stiffness = drive.contact_stiffness * math.cos(drive.lead_angle) * lever(drive, -1)
     frequency = math.sqrt(stiffness * minus / (drive.mass * drive.screw_inertia))  # ω̄_- (eq. 8.9)

@@ -74,7 +74,7 @@ def build(settings: of.Values) -> xr.Dataset:
         coords={
             **varied(swept_axial_force=forces),
             **drive_parameters(drive, printed=("Sect. 8.6", "Sect. 8.6.1")),
-            **start_state(start, "with a seated contact: of the motion and of those whose cycles are found"),
+            **start_state(start, "of the motion and of those whose cycles are found, with a seated contact"),
             "printed_peak_normal_force": printed("fig8_10.peak_force", "largest contact force on the cycle"),
         },
         attrs=about(__doc__, "exact event-driven motion with four states", "Sect. 8.6.1, Fig. 8.10"),

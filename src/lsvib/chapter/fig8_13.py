@@ -45,7 +45,7 @@ def build(settings: Values) -> xr.Dataset:
         | {"period": variable("contact", [cycle.period for cycle in cycles], "s", phase_plane.PERIOD, "$T$")},
         coords={
             **drive_parameters(contacts, "contact", along=_CONTACT, printed=("Sect. 8.6", "Sect. 8.6.1")),
-            **start_state(start, "with a seated contact: of the motions whose cycles are found"),
+            **start_state(start, "of the motions whose cycles are found, with a seated contact"),
             "critical_mass_with_contact": variable("contact", critical, *CRITICAL_MASS_WITH_CONTACT),
             "steady_deflection": variable((), steady, "rad", "coupling deflection in steady sliding", "$z_0$"),
         },

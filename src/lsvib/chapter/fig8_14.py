@@ -52,8 +52,8 @@ class Settings(PhasePlane):
 
     masses: MassPair = Field(description="Mass as printed, and mass beyond the critical one [kg].")
     axial_forces: OpposingForces = Field(description="Axial forces of panels (a) and (b) [N].")
-    angle: Cells = Field(description="Deviations u of the starts whose attractor is found [rad].")
-    velocity: Cells = Field(description="Rates of those starts w [rad/s].")
+    angle: Cells = Field(description="Deviations u of the starts whose attractors are found [rad].")
+    velocity: Cells = Field(description="Rates w of those starts [rad/s].")
 
 
 def _drives(settings: Values) -> list[Drive]:

@@ -1,6 +1,6 @@
-"""Pictures of a user's own answers: a motion, a sweep, cycles, one that was followed, a basin, a map.
+"""Pictures of a user's own answers: a motion, a sweep, cycles, a branch of cycles, a basin, a map.
 
-A dataset says by its variables what it is, so a file draws itself as well as what was just computed.
+The variables of a dataset tell what it is, so a file is drawn like what was just computed.
 """
 
 import json
@@ -31,8 +31,8 @@ def draw(answer: Any, kind: str | None = None) -> style.Figure:
     """Draw what lsvib found, for a first look or a report.
 
     Arguments: the dataset of a motion, a sweep over one or two parameters, a map of starts; what ``cycles``,
-    ``follow`` and ``basin`` of a drive return; or the path of a file that holds a dataset. ``kind``: of a motion
-    ``phase_plane``, or ``friction_loop``, for which it has sliding_speed and friction_torque among its outputs.
+    ``follow`` and ``basin`` of a drive return; or the path of a file that holds a dataset. ``kind``, for a motion:
+    ``phase_plane``, or ``friction_loop``, which needs sliding_speed and friction_torque among its outputs.
 
     Returns a figure of matplotlib, 7.2 inches wide, which a notebook shows. Raises ``InputError`` for anything else.
 
@@ -41,7 +41,7 @@ def draw(answer: Any, kind: str | None = None) -> style.Figure:
     >>> figure.axes[0].get_title("left")[:26]
     'Angular speed of the screw'
 
-    See also: ``lsvib draw``, of a file in the shell.
+    See also: ``lsvib draw``, which draws a file from the shell.
     """
     if isinstance(answer, str | os.PathLike):
         answer = read_dataset(answer)

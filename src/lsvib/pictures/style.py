@@ -1,6 +1,6 @@
 """One look for all figures: fonts, sizes, colours that colour-blind readers tell apart, labels from the metadata.
 
-Importing this loads no matplotlib, so a figure, whose dataset is built without it, may name colours and types freely.
+Importing this loads no matplotlib, so that figures can name colours and types while datasets are built without it.
 """
 
 import re

@@ -1,4 +1,4 @@
-"""Panels of a measured torque: the points with the fitted law, and what that leaves over."""
+"""Panels of a measured torque: the points with the fitted law, and the residuals."""
 
 import math
 from collections.abc import Iterator
@@ -32,7 +32,7 @@ def torque_panel(axes: style.Axes, dataset: xr.Dataset) -> None:
 
 
 def residual_panel(axes: style.Axes, dataset: xr.Dataset) -> None:
-    """Draw what the fit leaves over, by end, with the standard error of each mean, over the speed."""
+    """Draw the residuals of the fit, by end, with the standard error of each mean, over the speed."""
     error = dataset.torque_scatter / np.sqrt(dataset.samples) * 1e3
     for _, colour, mark, words, own in _ways(dataset):
         speed = np.abs(dataset.measured_speed[own]) / RPM
