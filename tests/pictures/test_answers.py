@@ -92,7 +92,7 @@ def test_curves_on_each_other_keep_their_names_and_words_that_are_moved_are_foun
     dataset = dataset.assign(boundary_name=names)
     figure = lsvib.draw(dataset)
     first, second = figure.axes[0].texts
-    assert {first.get_text(), second.get_text()} == {r"onset, $\tilde R = 0$", "even from rest"}
+    assert {first.get_text(), second.get_text()} == {r"onset, $\tilde R = 0$", "steady from rest"}
     assert without_room(figure) == []
     style.laid_out(figure).set_layout_engine(None)  # which would make room
     MOVED[fault](first, second, (mass[10], force[10]))

@@ -1,4 +1,4 @@
-"""Sweep over two parameters: what the drive does as colour, the exact curves on top, each with its name."""
+"""Sweep over two parameters: the behaviour as colour, the exact curves on top, each with its name."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -26,7 +26,7 @@ _CURVES = {  # words on a curve, where they are not its name, and how it is draw
     "onset": (r"onset, $\tilde R = 0$", "-"),
     "kinematic constraint": (r"kinematic constraint, $\Gamma_+ = 0$", (0, (5, 1.5))),
     "negative damping": (r"negative damping, $C_+ = 0$", (0, (1.5, 1))),
-    "even speed": ("even from rest", "-"),
+    "even speed": ("steady from rest", "-"),
 }
 _OTHERS = (style.GREEN, style.ORANGE, style.SKY, style.PURPLE, style.BLUE, style.YELLOW, style.VERMILION, style.WINE)
 
