@@ -30,13 +30,13 @@ their standard errors.
 Explained: the torque climbs as if through a spring of 0.0215 N m/rad. With as much friction in the bearing as possible,
 2.37 mN m sliding and 3.17 static, and a damping of 1.23 × 10⁻⁴ N m s/rad, the model jerks as often as the screw in both
 directions, to 1 %, with the same torque, to 0.03 mN m, and the same swing, to 3 %. Static friction and damping are
-fitted to period and torque averaged over both directions; the breakaway torque gives 3.23 ± 0.07. With the excess over
+fitted to period and torque averaged over both directions; the breakaway torque gives 3.24 ± 0.07. With the excess over
 sliding friction in the threads, the model would jerk every 0.37 s lowering and 0.44 s lifting. Recorded speeds up to 15
 rpm are averages, over about 50 ms, of slips at more than 30. Not explained: with that damping, the dotted line in (c),
 the model runs steadily above 32 rpm, while the screw was steady at 10, which takes at least 2.5 × 10⁻⁴ if it was
 started from rest. Static friction that grows with the time at rest, 0.37 s at 2 rpm and less at 10, might explain both.
 While the torque climbs, the motor turns at 1 rpm, half the commanded speed, so it winds up something compliant.
-Jerks differ from tooth to tooth, and at 10 rpm the torque swings once per turn, by 6 % lifting and 14 % lowering:
+Jerks differ from tooth to tooth, and at 10 rpm the torque swings once per turn, by 7 % lifting and 14 % lowering:
 friction depends on position.
 """
 
