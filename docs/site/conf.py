@@ -5,7 +5,6 @@ from pathlib import Path
 from typing import Any
 
 import lsvib
-from lsvib.drives.drive import Drive
 
 sys.path.insert(0, str(Path(lsvib.__file__).parents[2] / "docs" / "site"))  # the scraper of the gallery
 
@@ -65,18 +64,6 @@ def no_substitutions(app: Any, what: str, name: str, thing: Any, options: Any, l
         lines[k] = "``".join(parts)
 
 
-def short_signature(
-    app: Any, what: str, name: str, thing: Any, options: Any, signature: str | None, returned: str | None
-) -> tuple[str | None, str | None]:
-    """Write the parameters of a drive as a person does: they are numbers; their ranges stand in a table."""
-    if what == "class" and issubclass(thing, Drive):
-        defaults = {key: field.default for key, field in thing.model_fields.items()}
-        fields = [f"{key}: float = {x if x is None else f'{x:.6g}'}" for key, x in defaults.items()]
-        return f"(*, {', '.join(fields)})", None
-    return signature, returned
-
-
 def setup(app: Any) -> None:
-    """Tell Sphinx what to do with docstrings and signatures."""
+    """Tell Sphinx what to do with docstrings."""
     app.connect("autodoc-process-docstring", no_substitutions)
-    app.connect("autodoc-process-signature", short_signature)

@@ -27,6 +27,7 @@ _OTHER = "Others"
 # Modules that the other pages name, by subject; docs/design.md has the layers.
 MODULES = {
     "Drives": ["lsvib.drives.drive", "lsvib.drives.scene", "lsvib.drives.chapter", "lsvib.drives.model"],
+    "Your own system": ["lsvib.systems.system", "lsvib.systems.ends"],
     "Engine": ["lsvib.systems.automaton", "lsvib.systems.motion"],
     "Steady sliding": [
         "lsvib.stability.spectrum",
@@ -69,7 +70,8 @@ def public_names() -> str:
     """Return the page of all names of ``lsvib.__all__``, in groups; none can be forgotten."""
     known = {name for names in _GROUPS.values() for name in names}
     rest = [name for name in lsvib.__all__ if name not in known]
-    lines = [_heading("Public interface", "="), "``import lsvib`` provides all of it; :doc:`python` shows how.\n"]
+    lines = [_heading("Public interface", "="), ".. currentmodule:: lsvib\n"]
+    lines.append("``import lsvib`` provides all of it; :doc:`python` shows how.\n")
     for group, names in (*_GROUPS.items(), *([(_OTHER, rest)] if rest else [])):
         lines.append(_heading(group, "-"))
         lines += [_entry(name) for name in names]
@@ -84,7 +86,7 @@ def _entry(name: str) -> str:
     if name == "Cycle":  # what cycles of any system are, too
         options["inherited-members"] = ""
     if name.endswith("Drive"):  # what all drives can, and nothing of pydantic
-        options = {"members": "", "inherited-members": "BaseModel", "exclude-members": "model_config, __init__"}
+        options = {"members": "", "inherited-members": "BaseModel"}
     if issubclass(thing, Exception):
         options = {"show-inheritance": ""}
     return "\n".join([f".. autoclass:: lsvib.{name}", *(f"   :{key}: {value}" for key, value in options.items()), ""])

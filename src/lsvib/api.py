@@ -1,11 +1,10 @@
-"""All that can be asked of a drive, by its methods.
+"""All questions that a drive answers, as its methods.
 
-A method does what the command of the same name does, by the same function. What a question needs is loaded when it is
-asked: making a drive, or asking for its stability, loads no engine. The examples begin with ``import lsvib``.
-
-Arguments that several methods have: ``workers`` is the number of threads, which changes no number, and ``progress`` is
-called with how many motions, rows of cells or points of a branch are done, and how many there are in all.
+Each method does what the command of the same name does, through the same function. What it needs is loaded when it is
+called: making a drive, or asking for its stability, loads no engine. The examples begin with ``import lsvib``.
 """
+
+from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -47,38 +46,39 @@ class Drive(drive.Drive):
 
     @property
     def coefficients(self) -> Coefficients:
-        """Coefficients of the equations of motion (8.13)–(8.17) of the rigid drive with these parameters.
+        """Coefficients of the equations of motion (8.13)–(8.17) of the rigid drive, as balls of 150 digits.
 
-        Under the friction law s = ±1 slip obeys Γ_s ü + C_s u̇ + k u = r_m (ξ_0 − ξ_s) R̃. Of it the result has, to the
-        digits of :meth:`exact`, the effective inertia Γ_s [kg m²], the effective damping C_s [N m s/rad] and the
-        friction factor ξ_s [1], each by s, and the load R̃ [N].
+        Slip under the friction law s = ±1 obeys Γ_s ü + C_s u̇ + k u = r_m (ξ_0 − ξ_s) R̃. The result, a
+        :class:`lsvib.drives.mechanics.Coefficients`, has by s the effective inertia Γ_s [kg m²], the effective damping
+        C_s [N m s/rad] and the friction factor ξ_s [1], and the load R̃ [N]. Raises ``InputError`` for Ω = 0. See also
+        :meth:`stability`, which follows from them.
 
         >>> lsvib.Drive(mass=11).coefficients.paradox  # Γ₊ < 0
         True
-
-        See also: :meth:`stability`, which judges by them.
         """
         return coefficients(self)
 
-    def describe(self) -> "Description":
-        """Return what the drive is made of: parts, coordinates, equations of motion with numbers, modes.
+    def describe(self) -> Description:
+        """Return the parts of the drive, its coordinates, its equations of motion in numbers [SI units] and its modes.
+
+        See also :mod:`lsvib.drives.mechanism`, which explains the symbols.
 
         >>> print(*lsvib.Drive(mass=11, screw_mass=3, support_stiffness=1e6).describe().equations[:3], sep="\\n")
         3.12e-06 θ″ = − 1 z − 0.0002 θ′ − τ
         3 x_1″ = n − 1e+06 x_1
         11 x″ = 50 − n
-
-        See also: :mod:`lsvib.drives.mechanism`, with the symbols.
         """
         from lsvib.drives.description import description_of
 
         return description_of(self)
 
-    def system(self) -> "System":
-        """Return the drive as a system in words, by the chapter's symbols: its modes, z with rate w, θ′ = Omega + w.
+    def system(self) -> System:
+        """Return the drive as a :class:`lsvib.systems.System` in the chapter's symbols, to change and extend.
 
-        Compliant threads add their mismatch e and its rate v. A start is in a mode of its direction of slip. Raises
-        ``InputError`` for other parts and frictions than those of the threads, and for a rigid drive that can seize.
+        Its states are z [rad] and w [rad/s], with θ′ = Omega + w; compliant threads add their mismatch e [m] and its
+        rate v [m/s]. A start must be in a mode of its direction of slip. Raises ``InputError`` for parts and friction
+        other than those of the threads, friction that depends on the speed, and a rigid drive that can seize. See also
+        docs/systems.md.
 
         >>> lsvib.Drive(translation_damping=1000).system().steady_state("rest", {"w": -40}).period
         0.010671602920576643
@@ -94,16 +94,13 @@ class Drive(drive.Drive):
         Steady sliding of the rigid drive is unstable where Γ_0 < 0 or C_0 < 0 (eqs 8.18–8.21), that of a drive with
         parts where its characteristic polynomial has a root with a positive real part. Signs are decided exactly.
 
-        Returns whether it is stable and of which kind, the eigenvalues [1/s], the conditions of instability with their
-        margins, and quantities with units. Raises ``InputError`` if the contact carries no force (R̃ = 0), which leaves
-        the friction law open.
+        Returns the verdict and its kind, the eigenvalues [1/s], the conditions of instability with their margins, and
+        quantities with units. Raises ``InputError`` if the contact carries no force (R̃ = 0), so that the friction law
+        is not determined. See also :meth:`thresholds`, where stability changes; :meth:`resilience`, how far it reaches.
 
         >>> report = lsvib.Drive(mass=11).stability()
         >>> report.stable, report.kind, report.conditions["kinematic_constraint"].hold
         (False, 'saddle', True)
-
-        See also: :meth:`thresholds`, where stability changes; :meth:`resilience`, how large a perturbation it
-        tolerates.
         """
         from lsvib.stability.conditions import stability
 
@@ -112,9 +109,9 @@ class Drive(drive.Drive):
     def thresholds(self, unknown: str | None = None) -> dict[str, Threshold]:
         """Return all thresholds of this drive by name, each as :meth:`threshold` gives it.
 
-        Each is solved for its usual parameter, or all for the parameter ``unknown``. One that this drive does not have
-        is there without a value, and its ``reason`` says why. Raises ``InputError`` for another parameter, or if the
-        contact carries no force.
+        Each is solved for its usual parameter, or all for the parameter ``unknown``. A threshold that this drive does
+        not have has no value but a ``reason``. Raises ``InputError`` for an unknown parameter, or if the contact
+        carries no force. See also docs/thresholds.md, with their equations.
 
         >>> found = lsvib.Drive().thresholds()
         >>> mass = found["kinematic_constraint"]  # the critical mass (8.20)
@@ -129,12 +126,12 @@ class Drive(drive.Drive):
         return all_thresholds(self, unknown, even_speed)
 
     def threshold(self, name: str, unknown: str | None = None) -> Threshold:
-        """Return a threshold of this drive, solved for one of its parameters, with the derivatives by all others.
+        """Return a threshold of this drive, solved for one of its parameters, with derivatives by all others.
 
-        ``name``: one of those that :meth:`thresholds` returns; docs/thresholds.md has their equations. ``unknown``: any
-        parameter, by default the one that the threshold usually is; the drive's own value of it counts only as the
-        middle of a search. The value and its derivatives come with doubles that enclose them for certain. Raises
-        ``InputError`` for another name, ``NoThreshold`` where there is no solution in the allowed range.
+        Arguments: ``name``, a key of :meth:`thresholds`; ``unknown``, any parameter, by default the usual one of the
+        threshold. The drive's own value of it matters only as the middle of a search. Returns the solutions and their
+        derivatives [SI units], each enclosed with certainty by two doubles. Raises ``InputError`` for an unknown name,
+        ``NoThreshold`` if there is no solution in the allowed range. See also docs/thresholds.md, with the equations.
 
         >>> drive = lsvib.Drive(mass=11, support_damping=2e-3)
         >>> critical = drive.threshold("kinematic_constraint", unknown="mass")
@@ -143,25 +140,20 @@ class Drive(drive.Drive):
         >>> force = drive.threshold("global_stability")
         >>> f"{force.value:.12g} {force.unit}, and {force.derivatives['mass'].value:.6g} N/kg"
         '-18.3754629689 N, and -1.63148 N/kg'
-
-        See also: :meth:`thresholds`.
         """
         from lsvib.stability.starting import even_speed
         from lsvib.stability.threshold import solve_threshold
 
         return solve_threshold(self, name, unknown, even_speed)
 
-    def automaton(self, *, physics: Terms = None, resume: str = "contact_sign") -> "Automaton":
+    def automaton(self, *, physics: Terms = None, resume: str = "contact_sign") -> Automaton:
         """Return the hybrid automaton of the drive: modes with linear fields, guards and resets, as tables of numbers.
 
-        Arguments:
-
-        * ``physics``: the terms that the equations of motion have, such as support_damping, axial_force and rest; by
-          default those that are not zero, and rest. A damping or force that is not listed must be zero.
-        * ``resume``: how motion goes on after a seizure: contact_sign (the contact keeps the sign of the impulse) or,
-          for the rigid drive, at_once (:mod:`lsvib.drives.modes`).
-
-        The tables are made once and shared by equal drives: do not change them. Raises ``InputError``.
+        Arguments: ``physics``, the terms of the equations of motion, such as support_damping, axial_force and rest, by
+        default those that are not zero, and rest (a damping or force that is not listed must be zero); ``resume``, how
+        the motion continues after a seizure: contact_sign (the contact keeps the sign of the impulse) or, for the rigid
+        drive, at_once (:mod:`lsvib.drives.modes`). Returns an :class:`lsvib.systems.automaton.Automaton`, shared by
+        equal drives: do not change its tables. Raises ``InputError``. See also :meth:`system`, the same in equations.
 
         >>> lsvib.Drive().automaton().states
         ('u', 'w')
@@ -178,27 +170,27 @@ class Drive(drive.Drive):
         physics: Terms = None,
         outputs: Sequence[str] = ("normal_force", "coupling_torque"),
         command: Command | Mapping[str, Any] | None = None,
-    ) -> "xr.Dataset":
+    ) -> xr.Dataset:
         """Return the exact motion from a start, with its events.
 
         Between events the motion obeys Γ_s ü + C_s u̇ + k u = r_m (ξ_0 − ξ_s) R̃ (eq. 8.16; drives with parts have
         more such equations) and is sampled from its closed form. An event – reversal, loss of contact, seizure,
-        sticking, release – is a root of a guard along it. There is no step size.
+        sticking, release – is a root of a guard along the motion. There is no step size.
 
         Arguments:
 
-        * ``start``: deviation from steady sliding u [rad], its rate w [rad/s], and what else the drive has, by name; or
-          "rest", where the screw stands with the coupling relaxed as the motor begins to turn.
+        * ``start``: the deviation u [rad] from steady sliding, its rate w [rad/s] and the coordinates of parts, by
+          name; or "rest": the screw is at rest and the coupling relaxed when the motor starts.
         * ``duration`` [s], and the number of ``samples``, equidistant in time, both ends included.
         * ``outputs``: observables to store besides the state, the mode and the events.
-        * ``command``: the commanded speed over time in place of ``input_speed``, straight between ``speeds`` [rad/s] at
-          ``times`` [s]; deviations are still those from steady sliding at ``input_speed``.
-        * ``resume`` and ``physics``: as of :meth:`automaton`.
+        * ``command``: the commanded speed in place of ``input_speed``, linear between ``speeds`` [rad/s] at ``times``
+          [s]; deviations remain those from steady sliding at ``input_speed``.
+        * ``resume``, ``physics``: as for :meth:`automaton`.
 
-        Returns a dataset over ``time`` [s] with u [rad], w [rad/s], the outputs and the
-        mode, and over ``event`` the time, kind and impulse of each event and the states before and after it. Raises
-        ``InputError`` for what is not acceptable, ``EngineError`` where events accumulate or the motion grows without
-        bound.
+        Returns a dataset with u [rad], w [rad/s], the outputs and the mode over ``time`` [s], and over ``event`` the
+        time, kind and impulse of each event and the states before and after it. Raises ``InputError``, and
+        ``EngineError`` where events accumulate or the motion grows without bound. See also :func:`lsvib.simulate`, for
+        a scene in a file; :meth:`steady_state`, where the motion ends.
 
         >>> drive = lsvib.Drive(mass=11, support_damping=1e-3, axial_force=-10)
         >>> motion = drive.simulate({"u": 0.1, "w": 0.0}, 0.1)
@@ -207,32 +199,28 @@ class Drive(drive.Drive):
         >>> stops = drive.simulate("rest", 1.0, command={"times": [0, 0.2, 0.8], "speeds": [0, 40, 0]})
         >>> float(stops.w[-1]) == -drive.input_speed
         True
-
-        See also: :func:`lsvib.simulate`, of a scene in a file; :meth:`steady_state`, what the motion ends on.
         """
         from lsvib.answers.motion import Simulation
 
         wanted = {"samples": samples, "resume": resume, "physics": physics, "outputs": outputs, "command": command}
         return Simulation.of(Scene.of({"drive": self, "start": start, "duration": duration, **wanted})).dataset()
 
-    def steady_state(self, start: Start, *, resume: str = "contact_sign", physics: Terms = None) -> "SteadyState":
+    def steady_state(self, start: Start, *, resume: str = "contact_sign", physics: Terms = None) -> SteadyState:
         """Return the attractor that the motion from a start reaches.
 
-        It is decided by the Poincaré map on a section of the motion: a fixed point whose multipliers lie inside the
-        unit circle is an attracting cycle.
+        The Poincaré map on a section of the motion decides: a fixed point whose multipliers lie inside the unit circle
+        is an attracting cycle.
 
-        Arguments: ``start``, ``resume`` and ``physics`` as of :meth:`simulate`.
-
-        Returns the ``label``, an :class:`lsvib.Attractor`, and of a cycle its exact ``period`` [s] and ``amplitude``
-        [rad], half the peak-to-peak of u. A motion whose event budget is exhausted is unresolved. Raises
-        ``InputError``, ``EngineError``.
+        Arguments: ``start``, ``resume``, ``physics`` as for :meth:`simulate`. Returns the ``label``, an
+        :class:`lsvib.Attractor`, and for a cycle its exact ``period`` [s] and ``amplitude`` [rad], half the
+        peak-to-peak value of u. A motion that takes too many events is unresolved. Raises ``InputError``,
+        ``EngineError``. See also :meth:`attraction`, for a grid of starts; :meth:`sweep`, for many drives;
+        docs/attraction.md.
 
         >>> drive = lsvib.Drive(mass=11, support_damping=1e-3, axial_force=-10)
         >>> found = drive.steady_state({"u": 0.1, "w": 0.0})
         >>> found.label.name, f"{found.amplitude:.6f} rad, {found.period:.6f} s"
         ('SPRAG_SLIP_CYCLE', '0.055997 rad, 0.010944 s')
-
-        See also: :meth:`attraction`, for the starts of a grid; :meth:`sweep`, for many drives.
         """
         from lsvib.systems.attractor import steady_state
         from lsvib.systems.motion import enter
@@ -241,23 +229,20 @@ class Drive(drive.Drive):
         enter(automaton, state)  # refuses what is no state
         return steady_state(automaton, state)
 
-    def cycles(self, *, physics: Terms = None) -> "Cycles":
-        """Return the limit cycles of the drive that are found, attracting and repelling.
+    def cycles(self, *, physics: Terms = None) -> Cycles:
+        """Search for the limit cycles of the drive, attracting and repelling.
 
-        A cycle is a fixed point of a Poincaré map; its Floquet multipliers are those of the product of the flows and
-        the saltation matrices along it (docs/cycles.md).
+        A cycle is a fixed point of a Poincaré map; its Floquet multipliers are those of the product of flows and
+        saltation matrices along it (docs/cycles.md).
 
-        Arguments: ``physics`` as of :meth:`automaton`.
-
-        Returns ``cycles``, attracting ones first, each with period [s], itinerary, extremes, means, work [J], impulses
-        and multipliers with a bound of their error; ``proved`` says what else is certain, ``searched`` where cycles
-        were looked for. Raises ``InputError``, ``EngineError``.
+        Arguments: ``physics`` as for :meth:`automaton`. Returns the ``cycles``, attracting ones first, each with period
+        [s], itinerary, extremes, means, work [J], impulses [N s, N m s] and multipliers with an error bound; ``proved``
+        says what else is certain, ``searched`` where cycles were sought. Raises ``InputError``, ``EngineError``. See
+        also :meth:`follow`, which follows one of them over a parameter.
 
         >>> found = lsvib.Drive(mass=11, support_damping=2e-3, axial_force=-18.37).cycles()
         >>> [(cycle.attracting, f"{cycle.multipliers[0].real:.6f}") for cycle in found.cycles]
         [(True, '0.745892'), (False, '1.557142')]
-
-        See also: :meth:`follow`, for one of them over a parameter.
         """
         from lsvib.answers.cycles import find_cycles
 
@@ -265,53 +250,54 @@ class Drive(drive.Drive):
 
     def follow(
         self,
-        cycle: "Cycle",
+        cycle: Cycle,
         parameter: str,
         span: tuple[float, float],
         *,
         physics: Terms = None,
         points: int = 1000,
         progress: Progress | None = None,
-    ) -> "CycleBranch":
-        """Follow a cycle of this drive over a parameter, both ways, through folds and through changes of its events.
+    ) -> CycleBranch:
+        """Follow a cycle of this drive over a parameter, both ways, through folds and changes of its events.
 
         Arguments:
 
         * ``cycle``: one of :meth:`cycles`.
-        * ``parameter``: its name; ``span``: its smallest and largest value [SI unit], with the drive's own between
-          them.
-        * ``points``: most of them each way; ``physics`` as of :meth:`automaton`.
-        * ``progress``: a way that ends counts as all of its points.
+        * ``parameter``, by name, and ``span``: its smallest and largest value [SI unit], which enclose the drive's own.
+        * ``points``: at most so many each way; ``physics`` as for :meth:`automaton`.
+        * ``progress``: a function that is called with the numbers of points done and of all.
 
-        Returns the branch, by pseudo-arclength continuation: its points, folds, changes of events and of stability, and
-        why it ends. Raises ``InputError`` for a parameter or span that is not acceptable.
+        Returns the branch, found by pseudo-arclength continuation: its points, folds, changes of events and stability,
+        and why it ends. Raises ``InputError``. See also :meth:`threshold`, whose values are enclosed with certainty;
+        docs/cycles.md.
 
         >>> drive = lsvib.Drive(mass=11, support_damping=2e-3, axial_force=-18.37)
         >>> branch = drive.follow(drive.cycles().cycles[0], "axial_force", (-18.5, -18.35))
         >>> [f"{force:.10f} N" for force in branch.folds]
         ['-18.3754629689 N']
-
-        See also: :meth:`threshold`, whose values are enclosed for certain.
         """
         from lsvib.answers.cycles import followed
 
         return followed(self, cycle, parameter, span, points, lambda drive: drive.automaton(physics=physics), progress)
 
     def sweep(
-        self, *, start: Start | None = None, workers: int = 1, progress: Progress | None = None, **over: "Values"
-    ) -> "xr.Dataset":
-        """Return what the drive does over values of some of its parameters; over two, with the curves that divide them.
+        self, *, start: Start | None = None, workers: int = 1, progress: Progress | None = None, **over: Values
+    ) -> xr.Dataset:
+        """Return how the drive behaves over some of its parameters; over two, with the curves that divide the plane.
 
         Arguments:
 
-        * ``over``: values [SI units] of each parameter by its name; all combinations of them are taken.
-        * ``start``: as of :meth:`simulate`, of one motion of each drive. Without it a motion next to steady sliding is
-          followed, and where that comes back one from far away and one from rest, to tell what the drive does.
+        * ``over``: the values [SI units] of each parameter, by name; all their combinations are taken.
+        * ``start``: as for :meth:`simulate`, of one motion of each drive. By default the motion starts beside steady
+          sliding and, if it returns there, two others start far away and at rest.
+        * ``workers``: number of threads, which does not change the result; ``progress``: a function that is called with
+          the numbers of motions done and of all.
 
         Returns a dataset over the parameters with attractor, amplitude [rad], period [s], multiplier [1],
-        peak_normal_force [N] and peak_normal_impulse [N s] of the motion next to steady sliding, or of that from the
-        start; without a start also with the ``behaviour`` and, over two parameters, the exact curves Γ₊ = 0, C₊ = 0 …
-        as points, where they are known (docs/charts.md). Raises ``InputError``, ``EngineError``.
+        peak_normal_force [N] and peak_normal_impulse [N s] of the motion beside steady sliding, or from ``start``;
+        without a start also the ``behaviour`` and, over two parameters, points of the exact curves Γ₊ = 0, C₊ = 0 …
+        that are known (docs/charts.md). Raises ``InputError``, ``EngineError``. See also :meth:`steady_state`, for one
+        drive.
 
         >>> drive = lsvib.Drive(translation_damping=1000)
         >>> found = drive.sweep(axial_force=[10, 30, 60])
@@ -320,8 +306,6 @@ class Drive(drive.Drive):
         >>> chart = drive.sweep(axial_force=[10, 30, 60], mass=[2, 12])
         >>> chart.behaviour.flag_meanings.split()[int(chart.behaviour.sel(axial_force=10, mass=12)) + 1]
         'vibration_from_rest'
-
-        See also: :meth:`steady_state`, for one drive.
         """
         from lsvib.answers.sweep import sweep
 
@@ -329,99 +313,90 @@ class Drive(drive.Drive):
 
     def attraction(
         self,
-        grid: "Grid | Mapping[str, Any]",
+        grid: Grid | Mapping[str, Any],
         *,
         quantities: Sequence[str] = ("label",),
         workers: int = 1,
         progress: Progress | None = None,
-    ) -> "xr.Dataset":
-        """Return a map of the attractors that motions reach from every cell of a grid.
+    ) -> xr.Dataset:
+        """Return a map of the attractors that motions from the cells of a grid reach.
 
         Arguments:
 
-        * ``grid``: two axes by coordinate, each (start, stop, count) in SI units, and values of others, as
+        * ``grid``: two coordinates, each (start, stop, count) in SI units, and values of others, as
           ``{"u": (-0.1, 0.1, 40), "w": (-80, 80, 30)}``; or a :class:`lsvib.Grid`.
         * ``quantities``: any of label, time [s] (stored as settling_time), seizures, first_event and doubt (why a label
-          is unresolved); the label is always there.
+          is unresolved); the label is always stored.
+        * ``workers``, ``progress``: as for :meth:`sweep`; here rows of cells are counted.
 
-        Returns a dataset over both coordinates with the label and the other quantities of each cell; of a rigid drive
-        also the exact boundary and area of the region of attraction [rad²/s]. Raises ``InputError``, ``EngineError``.
+        Returns a dataset over both coordinates with these quantities and, for a rigid drive, the exact boundary and
+        area [rad²/s] of the region of attraction. Raises ``InputError``, ``EngineError``. See also :meth:`basin`, the
+        exact boundary; :meth:`steady_state`, for one start; docs/attraction.md.
 
         >>> drive = lsvib.Drive(mass=11, support_damping=1e-3, axial_force=-10)
         >>> found = drive.attraction({"u": (-0.1, 0.1, 40), "w": (-80, 80, 30)})
         >>> found.label.shape, f"{found.basin_area.item():.4f} {found.basin_area.units}"
         ((30, 40), '0.9553 rad2 s-1')
-
-        See also: :meth:`basin`, its exact boundary; :meth:`steady_state`, for one start.
         """
         from lsvib.answers.map import map_attraction
 
         return map_attraction(self, grid, quantities, workers, progress)
 
-    def basin(self) -> "Basin":
-        """Return the region of attraction of steady sliding of a rigid drive, bounded by a curve.
+    def basin(self) -> Basin:
+        """Return the region of attraction of steady sliding of a rigid drive, with its exact boundary.
 
         A motion leaves the mode of steady sliding through Q = 0 (eq. 8.17) or θ′ = 0. The boundary is a repelling
-        cycle, or the motion that only touches one of these lines, followed backwards in time from event to event, in
-        closed form or, under a friction law, by power series (docs/basin.md).
+        cycle, or the motion that just touches one of these lines, followed backwards in time from event to event, in
+        closed form or, if friction depends on the speed, by power series (docs/basin.md).
 
-        Returns the :class:`lsvib.Basin`, which says whether it contains a state (u [rad], w [rad/s]) and has its
-        boundary as curves and its area, of all or within a window [rad²/s]. Raises ``InputError`` for others than
-        the rigid one, where steady sliding attracts nothing, and for drives that docs/basin.md lists;
-        ``EngineError`` where the engine cannot follow the boundary.
+        Returns the :class:`lsvib.Basin`: whether it contains a state (u [rad], w [rad/s]), its boundary as curves, its
+        area [rad²/s], all of it or within a window. Raises ``InputError`` for drives that are not rigid, where steady
+        sliding attracts nothing, and for drives that docs/basin.md lists; ``EngineError`` where the engine cannot
+        follow the boundary. See also :meth:`attraction`, for every model; :meth:`resilience`.
 
         >>> basin = lsvib.Drive(mass=11, support_damping=1e-3, axial_force=-10).basin()
         >>> basin.boundary.name, basin.contains((0.0, 0.0)), basin.contains((0.1, 0.0))
         ('TOUCHING_MOTION', True, False)
-
-        See also: :meth:`attraction`, for every model; :meth:`resilience`.
         """
         from lsvib.dynamics.boundary import basin
 
         return basin(self)
 
-    def resilience(self, window: "Part | None" = None) -> "Resilience":
+    def resilience(self, window: Part | None = None) -> Resilience:
         """Return the largest perturbations that steady sliding tolerates, and the share of a window that settles.
 
-        They are distances from (0, 0) to the boundary of the :meth:`basin`, along u, along w, and in the energy
-        k u² / 2 + (I + m r_m² tan² λ) w² / 2; exact but for the energy under a law, from samples.
+        They are the distances from (0, 0) to the boundary of the :meth:`basin` along u, along w, and in the energy
+        k u² / 2 + (I + m r_m² tan² λ) w² / 2; all exact, except the energy if friction depends on the speed.
 
-        Arguments: ``window``, ends of u [rad] and w [rad/s], as ``{"u": (-0.3, 0.3), "w": (-150, 150)}``.
-
-        Returns ``angle`` [rad], ``speed`` [rad/s] and ``energy`` [J], infinite where all perturbations are tolerated,
-        zero where steady sliding is unstable; with a window the ``fraction`` [1] of it. Raises ``InputError``,
-        ``EngineError`` as :meth:`basin` does.
+        Arguments: ``window``, the ends of u [rad] and w [rad/s], as ``{"u": (-0.3, 0.3), "w": (-150, 150)}``. Returns
+        ``angle`` [rad], ``speed`` [rad/s] and ``energy`` [J], infinite where all perturbations are tolerated, zero
+        where steady sliding is unstable; with a window also the ``fraction`` [1] of it that settles. Raises
+        ``InputError`` and ``EngineError`` as :meth:`basin` does. See also :meth:`basin`; docs/basin.md.
 
         >>> drive = lsvib.Drive(mass=11, support_damping=1e-3, axial_force=-10)
         >>> found = drive.resilience({"u": (-0.3, 0.3), "w": (-150, 150)})
         >>> f"{found.angle:.6g} rad, {found.speed:.6g} rad/s, {found.energy:.6g} J, {found.fraction:.6g}"
         '0.0223138 rad, 7.46627 rad/s, 0.000154064 J, 0.00530736'
-
-        See also: :meth:`basin`, its exact boundary.
         """
         from lsvib.dynamics.resilience import resilience
 
         return resilience(self, window)
 
-    def _automaton_and_state(self, start: Start, resume: str, physics: Terms) -> tuple["Automaton", Any]:
+    def _automaton_and_state(self, start: Start, resume: str, physics: Terms) -> tuple[Automaton, Any]:
         scene = Scene.of({"drive": self, "start": start, "duration": 1.0, "resume": resume, "physics": physics})
         return automaton_of(self, scene.resume, rest=scene.rests), scene.definition.initial_state(self, scene.start)
 
 
-def simulate(scene: Scene | Mapping[str, Any] | str | Path) -> "xr.Dataset":
+def simulate(scene: Scene | Mapping[str, Any] | str | Path) -> xr.Dataset:
     """Return the exact motion of a scene, with its events.
 
-    Arguments: a :class:`lsvib.Scene`, its names and values, or the path of a YAML file that holds them, as
-    ``lsvib simulate --scene`` reads it.
-
-    Returns the dataset of :meth:`Drive.simulate`. Raises ``InputError``, ``EngineError`` in one sentence.
+    Arguments: a :class:`lsvib.Scene`, its names and values, or the path of a YAML file with them. Returns the dataset
+    of :meth:`Drive.simulate`, which has the equation of motion. Raises ``InputError``, ``EngineError``.
 
     >>> drive = {"mass": 11, "support_damping": 1e-3, "axial_force": -10}
     >>> motion = lsvib.simulate({"drive": drive, "start": {"u": 0.1, "w": 0}, "duration": 0.1})
     >>> motion.sizes["event"]
     12
-
-    See also: :meth:`Drive.simulate`, of a drive that is there.
     """
     from lsvib.answers.motion import Simulation, as_scene
 

@@ -9,10 +9,12 @@ import importlib
 import json
 import multiprocessing
 import pickle
+import pydoc
 import re
 import subprocess
 import sys
 from dataclasses import fields
+from inspect import signature
 from operator import methodcaller
 from pathlib import Path
 
@@ -25,6 +27,7 @@ import lsvib
 from lsvib import Drive, api
 from lsvib.drives.automata import automaton_of
 from lsvib.dynamics.boundary import basin
+from lsvib.systems import System
 from lsvib.systems.attractor import steady_state
 from lsvib.systems.motion import follow
 
@@ -57,10 +60,13 @@ def test_every_public_name_is_there():
 def test_what_a_drive_shows_is_its_own():
     """Parameters and what can be asked: nothing of the library that checks them, nor of how the package is built."""
     drive = lsvib.Drive()
-    own = {name for kind in (lsvib.Drive, api.drive.Drive) for name in vars(kind)} | {*lsvib.Drive.model_fields}
-    assert {name for name in dir(drive) if name[0] != "_"} == {
-        name for name in own if name[0] != "_" and not name.startswith("model_")
-    }
+    names = {name for kind in (lsvib.Drive, api.drive.Drive) for name in vars(kind)}
+    own = {name for name in names if name[0] != "_" and not name.startswith("model_")}
+    assert {name for name in dir(lsvib.Drive) if name[0] != "_"} == own
+    assert {name for name in dir(drive) if name[0] != "_"} == own | {*lsvib.Drive.model_fields}
+    page = pydoc.plain(pydoc.render_doc(lsvib.Drive))
+    assert re.findall(r"(?<!^ \|      )pydantic|Annotated|__\w+__", page) == ["pydantic"]  # among its bases
+    assert [*signature(lsvib.Drive).parameters] == [*lsvib.Drive.model_fields]
     assert {name for name in dir(lsvib) if name[0] != "_"} == {*lsvib.__all__}
 
 
@@ -155,14 +161,21 @@ def test_examples_of_docstrings_and_documentation():
     assert [name for name in (*lsvib.__all__, *own) if name[0] != "_" and name not in text] == []
 
 
-QUICK = "drives.drive drives.scene systems.grid systems.system results sheets.output sheets.inverse"
+QUICK = (
+    "answers.cycles drives.description drives.drive drives.mechanics drives.scene dynamics.boundary dynamics.curves "
+    "dynamics.cycles dynamics.resilience errors results sheets.inverse sheets.output systems.attractor "
+    "systems.automaton systems.continuation systems.cycles systems.ends systems.grid systems.motion systems.system"
+)
 LONG = [pytest.param(of, marks=pytest.mark.slow) for of in ("pictures.answers", "sheets.fit_output")]
 
 
 @pytest.mark.parametrize("of", [*QUICK.split(), *LONG])
-def test_examples_of_what_users_call(of, monkeypatch):
-    monkeypatch.chdir(ROOT)
-    result = doctest.testmod(importlib.import_module(f"lsvib.{of}"), extraglobs={"lsvib": lsvib})
+def test_examples_of_what_users_call(of, monkeypatch, tmp_path):
+    (tmp_path / "examples").symlink_to(ROOT / "examples")
+    monkeypatch.chdir(tmp_path)
+    given = {"lsvib": lsvib}
+    exec(doctest.script_from_examples(System.__doc__), given)  # the system that examples use
+    result = doctest.testmod(importlib.import_module(f"lsvib.{of}"), extraglobs=given)
     assert result.attempted > 0
     assert result.failed == 0
 

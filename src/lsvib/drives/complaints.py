@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
+from inspect import Signature
 from typing import TYPE_CHECKING, Any, ClassVar, get_args
 
 from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, ValidationError
@@ -47,7 +48,18 @@ class Least:
         raise PydanticCustomError("too_close_to_zero", "is too close to zero")
 
 
-class Checked(BaseModel):
+if TYPE_CHECKING:
+    from pydantic._internal._model_construction import ModelMetaclass
+else:
+    ModelMetaclass = type(BaseModel)
+
+
+class _Own(ModelMetaclass):
+    def __dir__(cls) -> list[str]:  # without the names of pydantic, also in ``help``
+        return [name for name in super().__dir__() if name[:2] != "__" and name not in dir(BaseModel)]
+
+
+class Checked(BaseModel, metaclass=_Own):
     """Values by known names, immutable; ``_about`` begins each sentence about what is wrong with them."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
@@ -64,8 +76,13 @@ class Checked(BaseModel):
                 raise InputError(f"{self._about}{sentence_about(type(self), error)}") from None
 
     def __dir__(self) -> list[str]:
-        """Return the names of the model's own, without those of pydantic."""
-        return [name for name in super().__dir__() if name[0] == "_" or name not in dir(BaseModel)]
+        return [*dir(type(self)), *vars(self)]
+
+    @classmethod
+    def __pydantic_init_subclass__(cls, **more: Any) -> None:
+        """Make the signature readable: names and defaults."""
+        own = cls.__signature__.parameters.values()
+        cls.__signature__ = Signature([each.replace(annotation=Signature.empty) for each in own])
 
 
 def meant(model: type[BaseModel], key: Any, names: Sequence[str] = ()) -> str:

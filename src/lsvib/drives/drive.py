@@ -104,36 +104,37 @@ def quantity(default: float | None, symbol: str, unit: str, long_name: str, beyo
 
 
 class Drive(Checked):
-    """A drive, in SI units; immutable, every value checked (Table 8.1 gives the defaults).
+    """A lead-screw drive in SI units, immutable and checked; the defaults are those of Table 8.1.
 
-    It has a screw (I, c) on a coupling (k) behind a motor that turns at Ω, threads (r_m, λ, μ), and a load (m, c_x, R)
-    that a slide may brake (F_0, at rest up to F_s) as a bearing may the screw (T_0, T_s), and a thrust collar in
-    proportion to the axial force (μ_b, r_b). These *parts* are there if their parameters are given
-    (:mod:`lsvib.drives.mechanism`); a part that is not there is rigid. With Ω = 0 the drive is let go, and u
-    is the deflection of the coupling:
+    A motor at the speed Ω turns a screw (I, c) through a coupling (k); its threads (r_m, λ, μ) move a load (m, c_x, R).
+    Dry friction may also act on the slide of the load (F_0, static F_s), on the bearing of the screw (T_0, T_s) and, in
+    proportion to the axial force, on a thrust collar (μ_b, r_b). The state is u [rad], the deviation of the coupling
+    deflection z = θ − Ω t from steady sliding, and its rate w [rad/s]: the screw turns at θ′ = Ω + w. With Ω = 0 the
+    motor stands still, and u is the deflection itself.
 
-    * a motor with a PI controller of its speed, T = K_p (Ω − θ_m′) + K_i ∫ (Ω − θ_m′) dt, so that K_i acts as a spring
-      and K_p as a damper to the commanded motion: ``motor_inertia``, ``integral_gain``, ``speed_gain``; behind it the
-      coupling may have a ``coupling_damping``. Without it the motor turns at Ω;
+    These *parts* are present if their parameters are given, and rigid otherwise (:mod:`lsvib.drives.mechanism`):
+
+    * a motor with a PI speed controller, T = K_p (Ω − θ_m′) + K_i ∫ (Ω − θ_m′) dt: ``motor_inertia``,
+      ``integral_gain``, ``speed_gain``; the coupling behind it may have ``coupling_damping``;
     * compliant threads (Sect. 5.5): ``contact_stiffness``, ``contact_damping``; Fig. 8.10 has 1e8 and 1e8;
     * a compliant axial support of the screw (Sect. 5.6): ``screw_mass``, ``support_stiffness``,
       ``axial_support_damping``; Fig. 8.15 has a screw of 11.6 kg;
-    * a nut that may turn (Sect. 5.8): ``nut_inertia``, ``nut_stiffness``, ``nut_damping``.
+    * a rotating nut (Sect. 5.8): ``nut_inertia``, ``nut_stiffness``, ``nut_damping``.
 
-    A damper that is left out is zero. Drives with the same values are equal; ``repr`` shows the values that differ from
-    the defaults. Wherever values are given ``lead_angle_deg`` [degree] may stand for ``lead_angle`` [rad], and
-    ``friction``, the name of a pairing, for the coefficient and the law (:mod:`lsvib.drives.pairings`). ``mass``,
-    ``translation_damping`` and ``axial_force`` differ from figure to figure in the chapter; their defaults are m = 1 kg
-    (Sect. 8.5.1), c_x = 0 and R = 50 N (assumed: the text does not state R for Figs 8.9–8.13). Raises ``InputError``,
-    in one sentence naming key, value and range.
+    A damper that is left out is zero. ``lead_angle_deg`` [degree] may replace ``lead_angle``, and ``friction``, the
+    name of a pairing of materials, the coefficient and the law (:mod:`lsvib.drives.pairings`). ``mass``,
+    ``translation_damping`` and ``axial_force`` differ from figure to figure of the chapter; their defaults are m = 1 kg
+    (Sect. 8.5.1), c_x = 0 and R = 50 N (assumed: the text does not state R for Figs 8.9–8.13). Equal values make equal
+    drives; ``repr`` shows what differs from the defaults. Raises ``InputError``, naming key, value and allowed range.
 
     >>> import lsvib
     >>> lsvib.Drive(mass=11, axial_force=-10).replace(mass=12)
     Drive(mass=12.0, axial_force=-10.0)
-    >>> lsvib.Drive(mass=9, contact_stiffness=1e8, contact_damping=5e4).stability().kind
-    'flutter'
-    >>> lsvib.Drive(mass=15, friction_coefficient=0.3, screw_mass=11.6, support_stiffness=1e6).stability().kind
-    'kinematic_constraint'
+    >>> drive = lsvib.Drive(mass=9, contact_stiffness=1e8, contact_damping=5e4)
+    >>> drive.parts, drive.rigid, drive.stability().kind
+    (('threads',), False, 'flutter')
+
+    See also: docs/physics.md. ``lsvib config`` lists the parameters with their ranges as well::
     """
 
     pitch_radius: Value = quantity(5.18e-3, "r_m", "m", "pitch radius of the screw", ge=1e-6, le=1.0)
@@ -227,12 +228,12 @@ class Drive(Checked):
 
     @property
     def parts(self) -> tuple[str, ...]:
-        """The names of the parts that are there, of support, nut and threads."""
+        """Names of the parts that are present, of motor, support, nut and threads."""
         return tuple(part for part, names in PARTS.items() if getattr(self, names[0]) is not None)
 
     @property
     def rigid(self) -> bool:
-        """Whether this is the rigid drive of the chapter (Sect. 5.3): no part complies, and only the threads rub."""
+        """Whether this is the rigid drive of the chapter (Sect. 5.3): no parts, and friction in the threads only."""
         return not self.parts and not any(getattr(self, name) for name in DRY)
 
     def model_post_init(self, context: Any) -> None:
@@ -276,9 +277,7 @@ class Drive(Checked):
 
     @classmethod
     def of(cls, values: "Drive | Mapping[str, Any] | None" = None, /, **more: Any) -> Self:
-        """Make a drive from another drive, or from names and values [SI units], with ``more`` of them.
-
-        Raises ``InputError`` in one sentence.
+        """Make a drive from a drive or from names and values [SI units], with ``more`` values; raises ``InputError``.
 
         >>> lsvib.Drive.of({"mass": 11, "lead_angle": 0.1}, axial_force=-10)
         Drive(lead_angle=0.1, mass=11.0, axial_force=-10.0)
@@ -288,7 +287,7 @@ class Drive(Checked):
         return cls(**{**names_and_values("drive", values), **more})
 
     def replace(self, /, **changes: Any) -> Self:
-        """Return a copy with some parameters [SI units] changed, checked again; raises ``InputError``.
+        """Return a copy with some parameters [SI units] changed; raises ``InputError``.
 
         >>> lsvib.Drive(mass=11).replace(mass=9, friction="steel_on_bronze_lubricated").mass
         9.0
@@ -296,7 +295,11 @@ class Drive(Checked):
         return type(self)(**{**self.model_dump(), **_resolved(changes)})
 
     def exact(self) -> "ExactParameters":
-        """Return the same drive with every value as a ball (``flint.arb``), and tan λ, sin λ, cos λ."""
+        """Return the parameters as balls (``flint.arb``: a midpoint and a radius) of 150 digits, with tan λ and more.
+
+        >>> print(lsvib.Drive().exact().tan_lead.str(20))
+        [0.097522251733493359864 +/- 1.33e-22]
+        """
         return _exact(self)
 
 
@@ -366,6 +369,18 @@ def described(key: str) -> dict[str, str]:
     """Return the ``symbol``, ``unit`` and ``long_name`` of a parameter."""
     extra = Drive.model_fields[key].json_schema_extra
     return {name: str(text) for name, text in extra.items()} if isinstance(extra, dict) else {}
+
+
+def _parameters() -> Iterator[str]:
+    """Yield the lines of a table of all parameters."""
+    line = "        {:28}{:10}{:13}{:10}{}".format
+    yield line("parameter", "symbol", "unit", "default", "meaning")
+    for key, field in Drive.model_fields.items():
+        own, default = described(key), "" if field.default is None else f"{field.default:.4g}"
+        yield line(key, own["symbol"], own["unit"], default, own["long_name"])
+
+
+Drive.__doc__ = "\n".join([f"{Drive.__doc__}", *_parameters()])
 
 
 def may_vanish(key: str) -> bool:
