@@ -6,15 +6,20 @@ class LsvibError(Exception):
 
 
 class InputError(LsvibError, ValueError):
-    """A parameter, option or file is not acceptable; the sentence names it and the allowed range."""
+    """A parameter, option or file is not acceptable; the sentence names it and the allowed range.
+
+    >>> lsvib.Drive(mass=-1)
+    Traceback (most recent call last):
+    lsvib.errors.InputError: mass = -1.0 is outside the allowed range 1e-18 <= mass <= 1e+09.
+    """
 
 
 class NoThreshold(InputError):
-    """The drive has no such threshold; the sentence says why."""
+    """The drive does not have this threshold; the sentence says why (:meth:`lsvib.Drive.threshold`)."""
 
 
 class EngineError(LsvibError, RuntimeError):
-    """The engine stopped for a reason that the caller must know; the sentence names it and a remedy."""
+    """The engine has no answer; the sentence says why, and what may help."""
 
     motion: object = None  # as far as it went, where following it raised this
 

@@ -1,4 +1,4 @@
-"""What a drive answers in numbers: small values that cannot change. Everything else that it answers is a dataset."""
+"""Answers of a drive in numbers: small immutable values. Other answers are datasets."""
 
 import math
 from collections.abc import Iterator, Mapping
@@ -10,7 +10,11 @@ from lsvib import words
 
 @dataclass(frozen=True)
 class Quantity:
-    """A number and its ``unit`` as UDUNITS spells it, "1" without a dimension; the ``value`` is None if it has none."""
+    """A ``value``, None if it does not exist, and its ``unit`` as UDUNITS spells it, "1" if it has no dimension.
+
+    >>> lsvib.Drive(mass=11).stability().quantities["effective_inertia_plus"]  # Γ₊, eq. 8.2
+    Quantity(value=-2.756780572848153e-07, unit='kg m2')
+    """
 
     value: float | None
     unit: str
@@ -18,10 +22,13 @@ class Quantity:
 
 @dataclass(frozen=True)
 class Condition:
-    """A condition of instability; ``hold`` is true exactly if each of its inequalities has a positive margin.
+    """A condition of instability, as eqs 8.19, 8.21; ``hold`` is true exactly if all its ``margins`` are positive.
 
-    ``margins``: by name, in SI units of the quantity that the name says. Missing margins are omitted; a condition
+    ``margins``: those of its inequalities, by name, in SI units. Margins that do not exist are omitted; a condition
     without margins does not hold.
+
+    >>> lsvib.Drive(mass=11).stability().conditions["kinematic_constraint"].margins["negative_effective_inertia"]
+    2.7567805728481524e-07
     """
 
     hold: bool
@@ -30,7 +37,7 @@ class Condition:
 
 @dataclass(frozen=True)
 class StabilityReport:
-    """Linear stability of steady sliding (eqs 8.18–8.21 of the rigid drive).
+    """Linear stability of steady sliding (eqs 8.18–8.21 for the rigid drive).
 
     ``parts`` of the drive; ``stable``, whether it is asymptotically stable; ``kind``, its class in words, such as
     saddle or flutter; ``eigenvalues`` [1/s] in ascending real part; ``steady_law`` s_0, +1 or −1; ``conditions`` of
@@ -38,6 +45,10 @@ class StabilityReport:
     the rigid drive the effective inertia [kg m²] and damping [N m s/rad] of both laws and the steady deflection [rad];
     ``characteristic_polynomial``, of s [1/s], highest power first; ``paradox_region``, whether Γ₊ ≤ 0 (rigid drive
     only, else None).
+
+    >>> report = lsvib.Drive(mass=11).stability()
+    >>> report.kind, report.paradox_region, [f"{value.real:.4f} 1/s" for value in report.eigenvalues]
+    ('saddle', True, ['-1576.0725 1/s', '2301.5564 1/s'])
     """
 
     parts: tuple[str, ...]
@@ -55,7 +66,7 @@ class StabilityReport:
         return asdict(self) | {"eigenvalues": [{"real": x.real, "imaginary": x.imag} for x in self.eigenvalues]}
 
     def text(self) -> Iterator[str]:
-        """Say the report in lines."""
+        """Yield the report in lines of text."""
         kind, neutral = words.plain(self.kind), self.kind in ("neutral", "centre")
         verdict = "stable" if self.stable else "neutral" if neutral else "unstable"
         yield f"steady sliding is {verdict}{'' if kind == verdict else f' ({kind})'}"
@@ -70,9 +81,13 @@ class StabilityReport:
 
 @dataclass(frozen=True)
 class Derivative:
-    """A derivative in its ``unit``: the double next to it, and doubles ``low`` and ``high`` that enclose it.
+    """A derivative in its ``unit``: the nearest double, ``value``, and doubles ``low`` and ``high`` that enclose it.
 
-    None beyond the range of doubles.
+    They are None beyond the range of doubles. See also :meth:`lsvib.Drive.threshold`.
+
+    >>> slope = lsvib.Drive(mass=11).threshold("kinematic_constraint").derivatives["friction_coefficient"]
+    >>> f"{slope.value:.6g} {slope.unit}", slope.low <= slope.value <= slope.high
+    ('-82.9256 kg', True)
     """
 
     value: float | None
@@ -83,11 +98,13 @@ class Derivative:
 
 @dataclass(frozen=True)
 class ThresholdSolution:
-    """One solution of the equations of a threshold for a parameter of a drive.
+    """One solution of the equations of a :class:`Threshold` for a parameter of a drive.
 
-    ``value`` of the parameter, the double next to it, in its SI unit; ``enclosure``, doubles (low, high) between which
-    it lies for certain; ``derivatives``, of the value by every other parameter, by name; ``equation``, what is solved,
-    in words.
+    ``value``: the parameter [SI unit], as the nearest double; ``enclosure``: doubles (low, high) between which it lies
+    with certainty; ``derivatives`` of the value by every other parameter, by name; ``equation``: the one solved.
+
+    >>> lsvib.Drive(mass=11).threshold("kinematic_constraint").solutions[0].equation
+    'Γ₊ = I − ξ₊ tan λ m r_m² = 0 (eq. 8.20)'
     """
 
     value: float
@@ -98,13 +115,13 @@ class ThresholdSolution:
 
 @dataclass(frozen=True)
 class Threshold:
-    """Where a drive with some ``parts`` changes what it does: a condition by ``name``, solved for ``unknown``.
+    """Where the behaviour of a drive with these ``parts`` changes: a condition, by ``name``, solved for ``unknown``.
 
-    ``solutions``, all that were found, in ascending order, in ``unit`` (UDUNITS spelling); ``how`` says whether these
-    are all. ``value``, ``enclosure`` and ``derivatives`` are those of the smallest one. Without any, ``value`` and
-    ``enclosure`` are None, and ``reason`` says why. ``statement``: what it divides (forces for Ω > 0). Of ``onset``
-    also ``stability``, asymptotic or neutral, in the ``stable_intervals`` of the unknown, from low to high, None at the
-    end of its range.
+    ``solutions``: all that were found, in ascending order, in ``unit`` (UDUNITS spelling); ``how`` says whether these
+    are all. ``value``, ``enclosure`` and ``derivatives`` are those of the smallest one. If there is none, ``value`` and
+    ``enclosure`` are None, and ``reason`` says why. ``statement``: what it divides (forces for Ω > 0). ``onset`` also
+    has ``stability``, asymptotic or neutral, in the ``stable_intervals`` (low, high) of the unknown, None at the end of
+    its range (docs/thresholds.md).
 
     >>> onset = lsvib.Drive(translation_damping=1000).threshold("onset", unknown="axial_force")  # R̃ = 0, eq. 8.19
     >>> f"{onset.value:.6f} {onset.unit}", onset.stable_intervals[0][0]
@@ -129,7 +146,7 @@ class Threshold:
 
     @property
     def enclosure(self) -> tuple[float, float] | None:
-        """Doubles between which the smallest solution lies for certain, in ``unit``."""
+        """Doubles (low, high) between which the smallest solution lies with certainty, in ``unit``."""
         return self.solutions[0].enclosure if self.solutions else None
 
     @property
@@ -142,7 +159,7 @@ class Threshold:
         return {"value": self.value, "enclosure": self.enclosure, **asdict(self)}
 
     def text(self) -> Iterator[str]:
-        """Say all solutions in lines, with their enclosures and derivatives."""
+        """Yield all solutions in lines of text, with their enclosures and derivatives."""
         count = len(self.solutions)
         yield f"{self.name}: {count} solution{'s' if count > 1 else ''} for {self.unknown}. {self.how}"
         yield self.statement
@@ -156,7 +173,7 @@ class Threshold:
                     yield f"  d/d {key} = {words.quantity(slope.value, slope.unit)}"
 
     def rows(self) -> Iterator[tuple[str, str, str]]:
-        """Say it in rows of a table: its name, the values of the unknown, and remarks."""
+        """Yield rows of a table: name, value of the unknown, remark."""
         if self.value is None:
             yield self.name, "none", self.reason
         for solution in self.solutions:

@@ -1,4 +1,4 @@
-"""A drive in words and numbers: its parts, coordinates, equations of motion and modes, so that one sees what it is."""
+"""A drive in words and numbers: its parts, coordinates, equations of motion and modes."""
 
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -20,11 +20,14 @@ _OWN = {
 
 @dataclass(frozen=True)
 class Description:
-    """What a drive is made of.
+    """What a drive consists of.
 
-    ``parts`` that comply, in words; ``coordinates``, long name and unit of each coordinate of the state by its name;
-    ``steady``, the values of z [rad], n [N], τ [N m] and of the coordinates of parts in steady sliding; ``equations``
-    of motion with numbers in SI units (:mod:`lsvib.drives.mechanism`); ``modes`` by name.
+    ``parts`` in words; ``coordinates``: long name and unit of each coordinate of the state, by name; ``steady``: z
+    [rad], n [N], τ [N m] and the coordinates of parts in steady sliding; ``equations`` of motion with numbers in SI
+    units (:mod:`lsvib.drives.mechanism`); ``modes`` by name.
+
+    >>> description_of(Drive(mass=11)).equations[-1]
+    'Γ₊ = -2.75678e-07 kg m²: the threads can seize'
     """
 
     parts: tuple[str, ...]
@@ -40,7 +43,7 @@ class Description:
 
 
 def description_of(drive: Drive) -> Description:
-    """Return what a drive is made of."""
+    """Return what a drive consists of."""
     model, d = model_of(drive), drive.exact()
     with many_digits():
         mechanism = Mechanism(d, drive.parts, friction.coefficient(d, arb(0)))

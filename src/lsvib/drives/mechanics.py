@@ -83,6 +83,10 @@ class Coefficients:
     ``xi`` ξ_s [1], ``gamma`` Γ_s [kg m²] and ``damping`` C_s [N m s/rad] by the law s = ±1; ``steady_law`` s_0 =
     sgn(R̃ Ω); ``net_force`` R̃ = R − r_m tan λ c_x Ω [N]; ``deflection`` z_0 of the coupling in steady sliding [rad];
     ``q_row``, Q as an affine function of u and w, the constant last. ``float()`` rounds a ball to double.
+
+    >>> found = coefficients(Drive(mass=11))
+    >>> f"{float(found.gamma[1]):.6e} kg m²", f"{float(found.xi[1]):.6f}", float(found.net_force), found.steady_law
+    ('-2.756781e-07 kg m²', '0.117970', 50.0, 1)
     """
 
     xi: dict[int, arb]
@@ -95,7 +99,7 @@ class Coefficients:
 
     @property
     def paradox(self) -> bool:
-        """True in the Painlevé region, Γ₊ ≤ 0."""
+        """Whether the drive is in the Painlevé region, Γ₊ ≤ 0 (eq. 8.20)."""
         return sign(self.gamma[1], "mass") <= 0
 
     def slack(self, law: int) -> arb | int:

@@ -32,9 +32,10 @@ Values = Annotated[  # a thousand take ten seconds
 
 
 class Command(Checked):
-    """The commanded speed of the motor, ``speeds`` [rad/s] at ``times`` [s] and straight between them.
+    """The commanded speed of the motor, ``speeds`` [rad/s] at ``times`` [s] and linear between them.
 
-    Before the first and after the last time it is constant; it jumps where a time stands twice.
+    It is constant before the first and after the last time, and jumps where a time is given twice. Raises
+    ``InputError``.
 
     >>> Command(times=[0, 0.2, 1, 1.5], speeds=[0, 40, 40, 0]).at([0.1, 2.0])
     array([20.,  0.])
@@ -56,7 +57,7 @@ class Command(Checked):
             raise InputError("command.speeds has a speed outside the allowed range -1e9 <= speed <= 1e9 rad/s.")
 
     def pieces(self) -> Iterator[tuple[float, float, float]]:
-        """Yield duration [s], speed at the start [rad/s] and its rate [rad/s²] of each piece; the last has no end."""
+        """Yield duration [s], initial speed [rad/s] and its rate [rad/s²] of each piece; the last one is endless."""
         if self.times[0] > 0:
             yield self.times[0], self.speeds[0], 0.0
         for k, duration in enumerate(np.diff(self.times).tolist()):
@@ -114,14 +115,10 @@ REST = "rest"  # a start, in place of coordinates
 class Scene(Checked):
     """One simulation, immutable and checked.
 
-    ``drive``: its parameters. ``physics``: the terms that the scene has – a damping or force that is listed nowhere
-    must be zero in the drive, and without ``rest`` the motion of a rigid drive is taken never to reach θ′ = 0, so
-    reversal, rest and seizure are left out; by default the non-zero terms and rest. ``resume``: how motion goes on
-    after a seizure, see docs/physics.md. ``start``: u [rad], w [rad/s], and what else the model has; or
-    ``rest``: the screw stands with the coupling relaxed as the motor begins to turn. ``command``: the commanded speed
-    over time, :class:`lsvib.drives.scene.Command`, in place of the constant ``input_speed``, from whose steady
-    sliding deviations are measured still. ``duration`` [s]. ``samples``: number of equidistant output times, both ends
-    included. ``outputs``: observables to store besides the state, the mode and the events. Raises ``InputError``.
+    Values are as for :meth:`lsvib.Drive.simulate`, ``drive`` also as names and values. ``physics``: the terms of the
+    equations of motion, by default those that are not zero, and rest. A damping or force that is not listed must be
+    zero; without ``rest`` the motion of a rigid drive is assumed never to reach θ′ = 0, so that reversal, rest and
+    seizure are left out. ``resume``: how the motion continues after a seizure (docs/physics.md). Raises ``InputError``.
 
     >>> scene = lsvib.Scene(drive={"mass": 11}, start={"u": 0.1, "w": 0}, duration=0.1)
     >>> lsvib.simulate(scene).sizes["time"], scene.terms
@@ -163,28 +160,28 @@ class Scene(Checked):
 
     @property
     def definition(self) -> Model:
-        """What the parts of the drive make of it."""
+        """The model of a drive with these parts."""
         return model_of(self.drive)
 
     @property
     def terms(self) -> tuple[str, ...]:
-        """The physics of the scene, spelled out."""
+        """The names of the terms of the equations of motion, also where ``physics`` is not given."""
         if self.physics is not None:
             return self.physics
         return (*(term for term in self.definition.terms if getattr(self.drive, term)), *self.definition.options)
 
     @property
     def rests(self) -> bool:
-        """Whether its motion may come to rest."""
+        """Whether the motion may come to rest."""
         return set(self.definition.options) <= set(self.terms)
 
     def parameters(self) -> dict[str, float]:
-        """Return the parameters that the scene uses: the drive's without the terms that the physics leaves out."""
+        """Return the parameters [SI units] that the scene uses: those of the drive without omitted terms."""
         return {key: value for key, value in self.drive if key not in self.definition.terms or key in self.terms}
 
     @classmethod
     def of(cls, values: Mapping[str, Any]) -> Self:
-        """Make a scene from names and values; raises ``InputError`` in one sentence."""
+        """Make a scene from names and values, such as the content of a YAML file; raises ``InputError``."""
         return cls(**names_and_values("scene", values))
 
 

@@ -46,17 +46,22 @@ class Boundary(IntEnum):
     """What bounds the basin."""
 
     NONE = 0  # steady sliding is globally stable, under a friction law from up to 10⁵ Ω
-    TOUCHING_MOTION = 1  # the motion that touches Q = 0, and the line Q = 0; no motion that has stood still settles
+    TOUCHING_MOTION = 1  # the motion that touches Q = 0, and the line Q = 0; no motion that has been at rest settles
     TOUCHING_SLIP = 2  # the slip from θ′ = 0 that touches Q = 0
     CYCLE = 3  # a cycle that repels
 
 
 @dataclass(frozen=True)
 class Basin:
-    """The basin of steady sliding of ``drive``.
+    """The basin of attraction of the steady sliding of ``drive`` (Sect. 8.7), in the plane of u [rad] and w [rad/s].
 
     ``boundary`` says what bounds it; ``curves`` are the boundary, with the basin on their right, each closed or from
-    infinity to infinity; under a friction law it is followed backwards, the basin on its left.
+    infinity to infinity; if friction depends on the speed it is followed backwards, with the basin on its left. Parts
+    of the plane are given as :class:`lsvib.Window` or as ``{"u": (low, high), "w": (low, high)}`` (docs/basin.md).
+
+    >>> basin = lsvib.Drive(mass=11, support_damping=1e-3, axial_force=-10).basin()
+    >>> f"{basin.area():.6f} rad²/s", f"{basin.fraction({'u': (-0.1, 0.1), 'w': (-80, 80)}):.6f}", basin.line().shape
+    ('0.955325 rad²/s', '0.029854', (102, 2))
     """
 
     drive: Drive
@@ -65,7 +70,7 @@ class Basin:
 
     @cached_property
     def flow(self) -> Flow:
-        """The flow to which the arcs refer: that of the drive's automaton, backwards in time under a law."""
+        """The flow of the arcs: that of the automaton, reversed in time if friction depends on the speed."""
         law = friction.depends_on_speed(self.drive)
         return (backward_under_law(self.drive) if law else automaton_of(self.drive)).flow
 
@@ -74,13 +79,13 @@ class Basin:
         return not self.curves or contains(self.flow, self.curves, np.asarray(state, dtype=float))
 
     def clipped(self, window: Part) -> list[Curve]:
-        """Return the closed curves around the part of the basin that lies in a window."""
+        """Return the closed curves around the part of the basin that lies in a window; raises ``InputError``."""
         window = Window.of(window)
         everything: Curve = [Segment(np.array([-1e300, -math.inf]), np.array([-1e300, math.inf]))]  # to its right
         return [clip(self.flow, curve, window) for curve in self.curves or [everything]]
 
     def line(self, window: Part | None = None, count: int = 100) -> np.ndarray:
-        """Return points (n, 2) of the boundary in a window, by default around its bends, NaN where it breaks off."""
+        """Return points (n, 2) [rad, rad/s] of the boundary in a window, by default around its bends; NaN in gaps."""
         if window is None:
             points = sampled(self.flow, self.curves)
             low, high = (end(points[np.isfinite(points).all(axis=1)], axis=0) for end in (np.min, np.max))
@@ -89,20 +94,14 @@ class Basin:
         return sampled(self.flow, [*closed, *paths], count)
 
     def area(self, window: Part | None = None) -> float:
-        """Return the area [rad²/s] of the basin, or of its part in a window; infinite if it is not bounded.
-
-        Raises ``InputError`` for a window whose ends are no ends.
-        """
+        """Return the area ∮ w du [rad²/s] of the basin, possibly infinite, or in a window; raises ``InputError``."""
         if window is not None:
             return area(self.flow, self.clipped(window))
         bounded = self.curves and all(math.isfinite(curve[0].start[1]) for curve in self.curves)
         return area(self.flow, self.curves) if bounded else math.inf
 
     def fraction(self, window: Part) -> float:
-        """Return the share [1] of a window that belongs to the basin.
-
-        Raises ``InputError`` for a window that is too narrow for doubles.
-        """
+        """Return the share [1] of a window in the basin; raises ``InputError`` if it is too narrow for doubles."""
         window = Window.of(window)
         if not self.curves:
             return 1.0
@@ -120,12 +119,7 @@ class Basin:
 
 
 def basin(drive: Drive) -> Basin:
-    """Compute the basin of steady sliding of the rigid drive.
-
-    It is the same under both resume rules after a seizure. Raises ``InputError`` where steady sliding attracts
-    nothing, and for drives whose basin is not covered (see docs/basin.md); ``EngineError`` where the engine
-    cannot follow the boundary.
-    """
+    """Compute the basin of steady sliding as :meth:`lsvib.Drive.basin`; it is the same under both resume rules."""
     if not drive.rigid:
         raise InputError(
             "the boundary of the basin is known for rigid drives without friction of slide, bearing and collar only; "

@@ -47,7 +47,11 @@ Curve = list[Piece]
 
 
 class Window(NamedTuple):
-    """A rectangle in the phase plane: u from ``left`` to ``right`` [rad], w from ``bottom`` to ``top`` [rad/s]."""
+    """A rectangle in the phase plane: u from ``left`` to ``right`` [rad], w from ``bottom`` to ``top`` [rad/s].
+
+    >>> lsvib.Window(-0.3, 0.3, -150, 150).area == lsvib.Window.of({"u": (-0.3, 0.3), "w": (-150, 150)}).area
+    True
+    """
 
     left: float
     right: float
@@ -56,7 +60,7 @@ class Window(NamedTuple):
 
     @classmethod
     def of(cls, given: Any) -> Self:
-        """Make a window from another, or from edges ``{"u": (low, high), "w": (low, high)}``; raises ``InputError``."""
+        """Make a window from another, or from ``{"u": (low, high), "w": (low, high)}``; raises ``InputError``."""
         if isinstance(given, Window):
             given = {"u": (given.left, given.right), "w": (given.bottom, given.top)}
         if not isinstance(given, Mapping) or set(given) != {"u", "w"}:
@@ -78,7 +82,7 @@ class Window(NamedTuple):
         return (self.right - self.left) * (self.top - self.bottom)
 
     def holds(self, state: np.ndarray) -> bool:
-        """Whether a state (2) lies inside."""
+        """Whether a state (u [rad], w [rad/s]) lies inside."""
         return bool(self.left < state[0] < self.right and self.bottom < state[1] < self.top)
 
 

@@ -18,7 +18,14 @@ from lsvib.systems.kernels.layout import GRAZE_KIND
 
 @dataclass(frozen=True, repr=False)
 class Cycle(cycles.Cycle):
-    """A periodic motion of ``drive``; means leave out the impulses of seizures."""
+    """A :class:`lsvib.systems.cycles.Cycle` of ``drive``, with its work; means omit the impulses of its seizures.
+
+    >>> cycle = lsvib.Drive(translation_damping=1000).cycles().cycles[0]
+    >>> f"{cycle.period:.6f} s", f"{cycle.amplitude:.6f} rad", f"{cycle.work.motor:.6f} J", cycle.attracting
+    ('0.010672 s', '0.074280 rad', '0.010086 J', True)
+    >>> abs(cycle.work.balance) < 1e-12, cycle.impulses.normal.tolist()
+    (True, [0.0, 0.0])
+    """
 
     drive: Drive
 
@@ -29,12 +36,12 @@ class Cycle(cycles.Cycle):
 
     @cached_property
     def work(self) -> Work:
-        """Work over a period [J]."""
+        """Work over a period [J], by what does it."""
         return work(self.drive, self.orbit)
 
     @property
     def impulses(self) -> Impulses:
-        """Impulses of each event of the period [N s, N m s]; zero but for seizures."""
+        """Impulses [N s, N m s] of the events of a period (k); only those of seizures are not zero."""
         return event_impulses(self.drive, self.orbit)
 
     def to_json(self) -> dict[str, Any]:

@@ -39,7 +39,7 @@ from lsvib.systems.motion import Motion
 
 @dataclass(frozen=True)
 class Impulses:
-    """Impulses of one or more seizures, arrays of one shape: ``normal`` and ``axial`` [N s], ``torque`` [N m s]."""
+    """Impulses of events, arrays of one shape: ``normal`` and ``axial`` [N s], ``torque`` [N m s]."""
 
     normal: np.ndarray
     axial: np.ndarray
@@ -105,13 +105,12 @@ def mean_load(drive: Drive, orbit: Motion) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Work:
-    """Work over one period [J]: ``motor`` and ``load`` put in (negative if they take), the others take out.
+    """Work over one period [J]: ``motor`` and ``load`` do it (negative if they receive it), the others dissipate it.
 
-    ``motor``: Ω ∫ T dt, with the torque T of the coupling or, behind a motor with a controller, that of the controller,
-    T = K_p (Ω − θ_m′) + K_i ∫ (Ω − θ_m′) dt. Such a speed loop is then a spring and a damper to the commanded motion:
-    its K_p ∫ (Ω − θ_m′)² dt is part of ``damping``, and the rotor receives so much less, ∫ T θ_m′ dt. ``friction`` of
-    the threads, of slide, bearing and collar; ``damping``, all dampers; ``impacts``, kinetic energy that seizures
-    destroy.
+    ``motor``: Ω ∫ T dt, with the torque T of the coupling or, with a motor, that of the controller, T = K_p (Ω − θ_m′)
+    + K_i ∫ (Ω − θ_m′) dt. Such a speed loop acts as a spring and a damper to the commanded motion: K_p ∫ (Ω − θ_m′)² dt
+    is part of ``damping``, and the rotor receives that much less, ∫ T θ_m′ dt. ``friction``: of threads, slide, bearing
+    and collar; ``damping``: of all dampers; ``impacts``: kinetic energy lost in seizures.
     """
 
     motor: float
@@ -122,14 +121,14 @@ class Work:
 
     @property
     def balance(self) -> float:
-        """What is put in less what is taken out, relative to the largest term [1]; zero but for rounding."""
+        """Work done less work dissipated, relative to the largest term [1]; zero except for rounding."""
         gained = self.motor + self.load - self.friction - self.damping - self.impacts
         largest = max(abs(getattr(self, term.name)) for term in fields(self))
         return gained / largest if largest else 0.0
 
     @property
     def efficiency(self) -> float:
-        """Work that motor or load receives over what the other puts in [1]; 0 if both put in."""
+        """Work received by load or motor over work done by the other [1]; 0 if both do work, NaN if neither does."""
         put_in = max(self.motor, self.load)
         return max(-min(self.motor, self.load), 0.0) / put_in if put_in > 0 else math.nan
 

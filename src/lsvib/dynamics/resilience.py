@@ -24,12 +24,16 @@ _SAMPLES = 400  # of an arc under a friction law, between which the energy is ta
 
 @dataclass(frozen=True)
 class Resilience:
-    """The perturbations that steady sliding tolerates; infinite where all, under a law up to 10⁵ Ω; zero if none.
+    """The largest perturbations that steady sliding tolerates: infinite if it tolerates all, zero if none.
 
-    ``boundary`` of its basin in words, or ``neutral`` or ``unstable`` where there is no basin; largest tolerated
-    perturbation of the deflection ``angle`` [rad] alone, of the ``speed`` [rad/s] alone, and by ``energy`` [J], which
-    is reached first at ``state`` (u [rad], w [rad/s]), nan if there is none; ``fraction`` [1] of the ``window`` that
-    settles, nan without a window.
+    Perturbations of the deflection alone, ``angle`` [rad]; of the ``speed`` alone [rad/s]; and by ``energy``
+    E = k u² / 2 + (I + m r_m² tan² λ) w² / 2 [J], first reached at ``state`` (u [rad], w [rad/s]), NaN if there is
+    none. ``boundary`` of the basin in words, or neutral or unstable where there is no basin; ``fraction`` [1] of the
+    ``window`` that settles, NaN without one. If friction depends on speed, infinite means up to 10⁵ Ω (docs/basin.md).
+
+    >>> found = lsvib.Drive(mass=11, support_damping=1e-3, axial_force=-10).resilience()
+    >>> found.boundary, [float(f"{value:.6g}") for value in (found.angle, found.speed, found.energy, *found.state)]
+    ('touching_motion', [0.0223138, 7.46627, 0.000154064, 0.00618009, 6.7485])
     """
 
     boundary: str
@@ -41,13 +45,13 @@ class Resilience:
     window: Window | None = None
 
     def to_json(self) -> dict[str, Any]:
-        """Return plain numbers and names; None stands for what is infinite or not a number."""
+        """Return plain numbers and names; None stands for infinity and NaN."""
         found = asdict(self) | {"window": None if self.window is None else self.window._asdict()}
         found = {name: None if isinstance(x, float) and not math.isfinite(x) else x for name, x in found.items()}
         return found | {"state": [x if math.isfinite(x) else None for x in self.state]}
 
     def text(self) -> Iterator[str]:
-        """Say it in lines."""
+        """Yield it in lines of text."""
 
         def size(value: float, unit: str) -> str:
             return f"{value:.12g} {unit}" if math.isfinite(value) else "unlimited"
@@ -63,11 +67,7 @@ class Resilience:
 
 
 def resilience(drive: Drive, window: Part | None = None) -> Resilience:
-    """Return the perturbations that the steady sliding of a rigid drive tolerates.
-
-    Arguments: drive; a ``window`` of the phase plane. Raises ``InputError`` and ``EngineError`` where the basin is not
-    covered (:func:`lsvib.dynamics.boundary.basin`).
-    """
+    """Return the perturbations that steady sliding tolerates, as :meth:`lsvib.Drive.resilience`."""
     window = None if window is None else Window.of(window)
     share = math.nan if window is None else 1.0
     if drive.rigid and automaton_of(drive).contracts and drive.support_damping > 0:

@@ -28,20 +28,18 @@ _MARK = dict[str, Any](markersize=3, markeredgecolor=style.BLACK, markeredgewidt
 
 
 def draw(answer: Any, kind: str | None = None) -> style.Figure:
-    """Draw what lsvib found, for a first look or a report.
+    """Draw an answer of lsvib.
 
-    Arguments: the dataset of a motion, a sweep over one or two parameters, a map of starts; what ``cycles``,
-    ``follow`` and ``basin`` of a drive return; or the path of a file that holds a dataset. ``kind``, for a motion:
-    ``phase_plane``, or ``friction_loop``, which needs sliding_speed and friction_torque among its outputs.
-
-    Returns a figure of matplotlib, 7.2 inches wide, which a notebook shows. Raises ``InputError`` for anything else.
+    Arguments: ``answer``, the dataset of a motion, of a sweep over one or two parameters or of a map of starts; what
+    ``cycles``, ``follow`` and ``basin`` return; or the path of a file with a dataset. ``kind``, for a motion only:
+    ``phase_plane``, or ``friction_loop``, which needs sliding_speed and friction_torque among its outputs. Returns a
+    matplotlib figure, 7.2 or 3.5 inches wide, which a notebook shows. Raises ``InputError`` for anything else. See also
+    ``lsvib draw``, of a file in the shell.
 
     >>> motion = lsvib.Drive(mass=11, support_damping=1e-3, axial_force=-10).simulate({"u": 0.1, "w": 0}, 0.1)
     >>> figure = lsvib.draw(motion)  # figure.savefig("motion.pdf") writes it
     >>> figure.axes[0].get_title("left")[:26]
     'Angular speed of the screw'
-
-    See also: ``lsvib draw``, which draws a file from the shell.
     """
     if isinstance(answer, str | os.PathLike):
         answer = read_dataset(answer)
@@ -49,11 +47,14 @@ def draw(answer: Any, kind: str | None = None) -> style.Figure:
 
 
 def open(file: str | os.PathLike[str]) -> xr.Dataset:
-    """Return the answer that a file holds, as the method that made it gives it; :func:`lsvib.draw` draws it.
+    """Return the dataset in a netCDF file of lsvib, with its units, as the method that made it returned it.
 
-    Raises ``InputError`` if the file is missing, or no readable netCDF file.
+    Raises ``InputError`` if the file is missing or not a readable netCDF file. See also :func:`lsvib.draw`.
 
-    See also: ``write_dataset`` of :mod:`lsvib.answers.io`, which writes one.
+    >>> motion = lsvib.Drive(mass=11).simulate({"u": 0.1, "w": 0}, 0.1)
+    >>> motion.to_netcdf("motion.nc")
+    >>> lsvib.open("motion.nc").identical(motion)
+    True
     """
     return read_dataset(file)
 

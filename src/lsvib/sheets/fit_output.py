@@ -41,13 +41,13 @@ DRAWN = 4.1  # standard deviations, within which a data sheet draws, with some r
 
 
 def fit(path: Path | str, out: Path | str | None = None) -> dict[str, Any]:
-    """Fit the sheet in a YAML file; write ``fit.nc``, ``.json``, ``.png``, ``.pdf``, ``friction.yaml`` to ``out``.
+    """Fit a friction law to measured torque, as a sheet in a YAML file describes it.
 
-    The torque of a screw under an axial force F, r F tan(λ ± arctan μ) and the drag of its bearing (eqs 8.4, 8.13), is
+    The torque of a screw under an axial force F, r F tan(λ ± arctan μ), and the drag of its bearing (eqs 8.4, 8.13) are
     fitted by robust least squares; μ over the sliding speed is a constant, a slope and a Stribeck rise (docs/fit.md).
 
-    Returns what ``fit.json`` holds, in SI units. Raises ``InputError`` or another ``LsvibError`` in one sentence; then
-    nothing is written.
+    Arguments: ``path`` of the sheet; ``out``, a folder for ``fit.nc``, ``fit.json``, ``fit.png``, ``fit.pdf`` and
+    ``friction.yaml``. Returns the content of ``fit.json``, in SI units. Raises ``LsvibError``; then nothing is written.
 
     >>> found = lsvib.fit("examples/measured_screw/measured_screw.yaml")
     >>> found["points"], round(found["friction"]["stribeck_rise"], 2)

@@ -46,19 +46,20 @@ def assess(
     units: Literal["si", "us"] = "si",
     solve: tuple[str, str] | None = None,
 ) -> dict[str, Any]:
-    """Assess the data sheet in a YAML file, or of names and values as in one: does it vibrate, what does it need?
+    """Assess a data sheet: does the drive vibrate, and which torques does it need?
 
-    Torques are those of a power screw, r F tan(λ ± ρ) and what else rubs (Shigley); whether steady running is stable
-    follows from eqs 8.18–8.21, 8.27 and 8.33 over the operating window and the uncertainties (docs/assess.md).
+    Torques are those of a power screw, r F tan(λ ± ρ), with all other friction (Shigley); the stability of steady
+    running follows from eqs 8.18–8.21, 8.27 and 8.33 over the operating window and the uncertainties (docs/assess.md).
 
     Arguments:
 
-    * ``out``: a folder, for ``index.html``, ``assessment.json`` and, but for a size, ``assessment.nc``.
-    * ``samples``: drives drawn from the uncertainties, a power of two from 64 on; ``seed``: of their sequence.
-    * ``units``: with "us" the page and the ``brief`` that is returned have US units beside SI units.
-    * ``solve``: an entry to be solved for, and what for, see :func:`lsvib.sheets.inverse.solved`.
+    * ``sheet``: the path of a YAML file, or its names and values.
+    * ``out``: a folder for ``index.html``, ``assessment.json`` and, if vibration is assessed, ``assessment.nc``.
+    * ``samples``: the number of drives drawn from the uncertainties, a power of two from 64 on; ``seed``: of the draw.
+    * ``units``: "us" adds US units to the page and to the ``brief`` that is returned.
+    * ``solve``: an entry to solve for, and its goal, see :func:`lsvib.sheets.inverse.solved`.
 
-    Returns what ``assessment.json`` holds, in SI units. Raises ``LsvibError``; then nothing is written.
+    Returns the content of ``assessment.json``, in SI units. Raises ``LsvibError``; then nothing is written.
 
     >>> sheet = {"thread": {"size": "Tr 16x4"}, "load": {"force": "500 N"}, "friction": {"coefficient": 0.15}}
     >>> f"{lsvib.assess(sheet)['statics']['lifting_torque']['worst']:.3f} N m"

@@ -33,7 +33,7 @@ from lsvib.systems.motion import Motion, enter, follow, new_events
 
 
 class Attractor(IntEnum):
-    """Where a motion ends up."""
+    """Where a motion of a drive ends (docs/attraction.md), numbered as in datasets: ``lsvib.Attractor(2).name``."""
 
     UNRESOLVED = -1
     STEADY_SLIDING = 0
@@ -46,7 +46,7 @@ class Attractor(IntEnum):
 
 
 class Doubt(StrEnum):
-    """Why the attractor of a motion is unresolved; nothing else is ever the reason."""
+    """Why the attractor of a motion is unresolved, in words; there are no other reasons."""
 
     EVENT_BUDGET = "event budget exhausted"
     RECURRENT = "event budget exhausted by a vibration that hardly changes in size and has no period that was found"
@@ -82,11 +82,17 @@ _UNRESOLVED: dict[int, Doubt] = {
 class SteadyState:
     """The attractor of a motion.
 
-    ``label`` names it, and ``state`` (n) is the equilibrium or the state on the section. A cycle also has ``orbit``,
-    one period as a motion from the point on the section; ``returns``, the number of returns to the section in a period;
-    ``residual`` [1], the change of the section state over one period relative to the size of the motion; and
-    ``multiplier`` [1], the largest of the return map, or its magnitude if it is complex. ``doubt`` says why an
-    attractor is unresolved.
+    ``label`` names it; ``state`` (n) [SI units] is the equilibrium, or the state on the section. A cycle also has
+    ``orbit``, one period as a motion from the point on the section; ``returns``, the number of returns to the section
+    in a period; ``residual`` [1], the change of the section state over one period relative to the size of the motion;
+    and ``multiplier`` [1], the largest of the return map, or its magnitude if it is complex. ``doubt`` says why an
+    attractor is unresolved (docs/attraction.md).
+
+    >>> found = lsvib.Drive(mass=11, support_damping=1e-3, axial_force=-10).steady_state({"u": 0.1, "w": 0})
+    >>> found.label.name, f"{found.period:.6f} s", f"{found.amplitude:.6f} rad", f"{found.multiplier:.6f}"
+    ('SPRAG_SLIP_CYCLE', '0.010944 s', '0.055997 rad', '0.060277')
+    >>> [round(end, 6) for end in found.extremes([1, 0, 0])]  # of u [rad]
+    [-0.115638, -0.003644]
     """
 
     label: Attractor
@@ -103,7 +109,7 @@ class SteadyState:
 
     @classmethod
     def unresolved(cls, state: np.ndarray, doubt: "Doubt | EngineError") -> "SteadyState":
-        """Return the attractor that is not known of a motion, whose last state (n) is known, and why."""
+        """Return an unresolved attractor, from the last known state (n) [SI units] and the reason."""
         return cls(Attractor.UNRESOLVED, state, doubt=doubt if isinstance(doubt, Doubt) else Doubt.of(doubt))
 
     @property
@@ -112,11 +118,15 @@ class SteadyState:
         return self.orbit.end_time if self.orbit else math.nan
 
     def same_period(self, other: "SteadyState") -> bool:
-        """Whether two cycles have one period, as two motions reach them."""
+        """Whether two cycles have the same period [s], to a relative 1e-6."""
         return abs(self.period - other.period) <= 1e-6 * self.period
 
-    def extremes(self, row: np.ndarray) -> tuple[float, float]:
-        """Return the extremes over the cycle of an affine function (n + 1) or an observable (m, n + 1)."""
+    def extremes(self, row: ArrayLike) -> tuple[float, float]:
+        """Return the extremes over the cycle of an affine function (n + 1), or of one for each mode (m, n + 1).
+
+        The constant is last. Raises ``EngineError`` if they cannot be isolated.
+        """
+        row = np.asarray(row, dtype=float)
         if self.orbit is None:
             value = float(row[:-1] @ self.state + row[-1])
             return value, value
@@ -124,7 +134,7 @@ class SteadyState:
 
     @property
     def amplitude(self) -> float:
-        """Half the peak-to-peak of the first coordinate."""
+        """Half the peak-to-peak value of the first coordinate, u [rad] of a drive."""
         low, high = self.extremes(np.eye(1, self.state.size + 1)[0])
         return 0.5 * (high - low)
 
@@ -166,11 +176,10 @@ class KnownCycles(NamedTuple):
 def steady_state(
     automaton: Automaton, state: ArrayLike, *, mode: int | None = None, max_events: int = 300_000
 ) -> SteadyState:
-    """Find the attractor of the motion of any model from ``state`` (n), in ``mode`` if given.
+    """Find the attractor of a motion from ``state`` (n), in ``mode`` if given, by the rule of the module docstring.
 
     ``max_events`` bounds the work, of the motion and of the returns by which its map is solved, in units of one
-    ordinary event. The rule is that of the module docstring; besides, the model may vouch that slip makes every area of
-    the phase plane smaller (``Automaton.contracts``): then all motions end in steady sliding.
+    ordinary event. Where slip makes every area of the phase plane smaller (``Automaton.contracts``) it is known.
     """
     return end_of_motion(automaton, state, mode=mode, max_events=max_events)[0]
 

@@ -70,18 +70,21 @@ class Transition:
 
 @dataclass(frozen=True)
 class Automaton:
-    """A model ready to run: the engine's tables, the code of each mode and the observables.
+    """A model ready to run: the tables of the engine, the code of each mode and the observables.
 
     ``observables[name]`` has shape (modes, n + 1): the affine function of the state that gives the quantity in each
     mode; under a friction law ``parts[name]`` of it counts η times (:class:`lsvib.systems.kernels.layout.TaylorFlow`).
     ``condition`` is the largest amplification of rounding by the modal form of a mode, 1 without one.
-    ``modes`` and ``events`` name the codes of modes and the kinds of events. ``marks`` says what some of them are, from
-    which labels of attractors are made: codes of modes at ``rest``, of others in which something is ``held``, and of
-    those in which a motion sprags, ``jam``; kinds of events at which it does at once, ``impact``, and of those that
-    divide the tables and not the motion, ``passage``. ``stands``: an equilibrium is rest, whatever its mode. The model
-    vouches for two facts: ``passive``, energy enters as the work of constant forces only, so that no motion grows
-    faster than in proportion to time; ``contracts``, slip makes every area of the phase plane smaller, or leaves every
-    one as it is, and coming to rest or passing it makes none larger (see docs/attraction.md).
+    ``modes`` and ``events`` name the codes of modes and the kinds of events. ``marks`` classifies some of them for the
+    labels of attractors: codes of modes at ``rest``, of others in which something is ``held``, and of those in which
+    the threads ``jam``; kinds of events that are an ``impact``, and those that divide the tables but not the motion,
+    ``passage``. ``stands``: an equilibrium is rest, whatever its mode. Two facts are given by the model: ``passive``,
+    energy enters only as the work of constant forces, so that no motion grows faster than in proportion to time;
+    ``contracts``, slip makes no area of the phase plane larger, and all smaller or none, and neither does coming to
+    rest or passing it (docs/attraction.md).
+
+    >>> lsvib.Drive().automaton().observe("normal_force", np.zeros((1, 2)), np.array([0]))  # [N], in steady sliding
+    array([49.19140026])
     """
 
     tables: Tables = field(repr=False)
@@ -100,18 +103,18 @@ class Automaton:
 
     @cached_property
     def flow(self) -> Flow:
-        """The flow, which knows more of itself than its tables say."""
+        """The flow of all modes, with what follows from its tables."""
         return (Series if isinstance(self.tables.flow, TaylorFlow) else Linear)(self.tables.flow)
 
     def observe(self, name: str, states: np.ndarray, modes: np.ndarray) -> np.ndarray:
-        """Return an observable [its SI unit] at ``states`` (k, n) in ``modes`` (k); shape (k)."""
+        """Return an observable [SI unit], by name, at ``states`` (k, n) in ``modes`` (k); shape (k)."""
         found = affine(self.observables[name][modes], states)
         if name in self.parts:
             found = found + self.flow.share(states, modes) * affine(self.parts[name][modes], states)
         return found
 
     def marked(self, numbers: np.ndarray, *marks: str) -> np.ndarray:
-        """Whether codes of modes, or kinds of events, have one of some marks (k)."""
+        """Return whether codes of modes, or kinds of events (k), have one of these marks; shape (k)."""
         wanted = (numbers == number for mark in marks for number in self.marks.get(mark, ()))
         return reduce(np.logical_or, wanted, np.zeros(np.shape(numbers), dtype=bool))
 

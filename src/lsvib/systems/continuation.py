@@ -38,10 +38,10 @@ _NOTHING = 1e-4  # extent of a cycle, in sizes of the motion, that is about to v
 
 @dataclass(frozen=True)
 class Change:
-    """Something happens at a ``value`` [SI unit] of the parameter, at a length ``along`` [1] of the branch.
+    """A change along a branch, at a ``value`` [SI unit] of the parameter and a length ``along`` [1] of the branch.
 
-    ``kind`` is fold, itinerary, stability, or end; ``what`` says it in words, as ``along`` grows; ``name``: fold,
-    period doubling, Neimark–Sacker, grazing, border collision, or nothing.
+    ``kind``: fold, itinerary, stability, or end; ``what``: the change in words, as ``along`` grows; ``name``: fold,
+    period doubling, Neimark–Sacker, grazing, border collision, or empty.
     """
 
     kind: str
@@ -53,7 +53,7 @@ class Change:
 
 @dataclass(frozen=True)
 class BranchPoint:
-    """A cycle of the branch at a ``value`` [SI unit] of the parameter; ``along``: length [1] from its start."""
+    """A ``cycle`` of the branch at a ``value`` [SI unit] of the parameter; ``along``: length [1] from its start."""
 
     value: float
     cycle: Cycle
@@ -62,7 +62,12 @@ class BranchPoint:
 
 @dataclass(frozen=True)
 class CycleBranch:
-    """A branch of cycles over a ``parameter``: its ``points`` in order, and the ``changes`` along it."""
+    """A branch of cycles over a ``parameter``: its ``points`` in order, and the ``changes`` along it (docs/cycles.md).
+
+    >>> branch = impact.follow(impact.steady_state("fly"), "r", (0.75, 0.85))  # of lsvib.systems.System
+    >>> [(change.kind, change.value) for change in branch.changes], branch.points[0].cycle.attracting
+    ([('end', 0.75), ('end', 0.85)], True)
+    """
 
     parameter: str
     points: tuple[BranchPoint, ...] = field(repr=False)

@@ -27,9 +27,15 @@ _SAME = 1e-7  # Two cycles of one stability that differ by less, relatively, are
 class Cycle:
     """A periodic motion.
 
-    ``orbit``: one period from ``state`` (n) on a section; ``residual`` [1]: change of the state over it, relative to
-    the size of the motion; ``multipliers`` [1] (n − 1), complex, the largest first, and ``multiplier_error``, a bound
-    of their errors (of stiff contacts an estimate); ``found_by``: how it was found.
+    ``orbit``: one period from ``state`` (n) on a section; ``residual`` [1]: the change of the state over it, relative
+    to the size of the motion; ``multipliers`` [1] (n − 1), complex, the largest first, and ``multiplier_error``, a
+    bound of their errors (for stiff contacts an estimate); ``found_by``: how it was found (docs/cycles.md).
+
+    >>> cycle = impact.steady_state("fly").cycle  # of lsvib.systems.System
+    >>> cycle.attracting, f"{cycle.period:.6f} s", f"{cycle.leading:.6f}", cycle.itinerary
+    (True, '6.283185 s', '0.584322', (('phase 0', 'fly'), ('x > 1', 'fly')))
+    >>> [round(end, 6) for end in cycle.extremes["v"]]
+    [-1.356586, 1.704323]
     """
 
     orbit: Motion
@@ -45,7 +51,7 @@ class Cycle:
 
     @property
     def state(self) -> np.ndarray:
-        """State (n) in which the period begins."""
+        """State (n) [SI units] in which the period begins."""
         return self.orbit.start_state
 
     @property
@@ -55,7 +61,7 @@ class Cycle:
 
     @property
     def label(self) -> Attractor:
-        """Sprag–slip if it sprags, stick–slip if a part sticks, else other; neutral if it is one of a family."""
+        """Sprag–slip if it has a seizure, stick–slip if a part sticks, else other; neutral if it is one of a family."""
         return Attractor.NEUTRAL_FAMILY if self.neutral else cycle_label(self.orbit)
 
     @property
@@ -75,42 +81,42 @@ class Cycle:
 
     @property
     def neutral(self) -> bool:
-        """Whether the largest multiplier is on the unit circle, to its error; not if there are none."""
+        """Whether the largest multiplier lies on the unit circle, within its error; False if it does not exist."""
         return math.isfinite(self.leading) and not (self.attracting or self.repelling)
 
     @property
     def itinerary(self) -> tuple[tuple[str, str], ...]:
-        """Events of a period, (kind, mode that is entered), without touches; the last one ends the period."""
+        """Events of a period, (kind, mode that is entered), without grazing; the last one ends the period."""
         orbit, own = self.orbit, self.orbit.kind != GRAZE_KIND
         return orbit.automaton.in_words(zip(orbit.kind[own], orbit.automaton.codes[orbit.mode[own]], strict=True))
 
     @cached_property
     def extremes(self) -> dict[str, tuple[float, float]]:
-        """Smallest and largest value of each coordinate and observable, in its SI unit, in closed form."""
+        """Smallest and largest value [SI unit] of each coordinate and observable, by name, in closed form."""
         automaton, unit = self.orbit.automaton, np.eye(self.state.size + 1)
         found = {name: orbit_extremes(self.orbit, unit[i]) for i, name in enumerate(automaton.states)}
         return found | {name: orbit_extremes(self.orbit, automaton.functional(name)) for name in automaton.observables}
 
     @property
     def amplitude(self) -> float:
-        """Half the peak-to-peak of the first coordinate."""
+        """Half the peak-to-peak value of the first coordinate, u [rad] of a drive."""
         low, high = self.extremes[self.orbit.automaton.states[0]]
         return 0.5 * (high - low)
 
     @cached_property
     def means(self) -> dict[str, float]:
-        """Means of the observables over a period, in their SI units, without what they are at impacts."""
+        """Means of the observables over a period [SI units], by name, without impulses."""
         names = list(self.orbit.automaton.observables)
         totals = observable_integrals(self.orbit, names).sum(axis=0)
         return dict(zip(names, (totals / self.period).tolist(), strict=True))
 
     def to_json_multipliers(self) -> list[float | list[float] | None]:
-        """Return the multipliers: numbers, or real and imaginary parts; None where there is no derivative."""
+        """Return the multipliers as numbers, or as pairs of real and imaginary part; None if they do not exist."""
         found = [[value.real, value.imag] if value.imag else value.real for value in self.multipliers.tolist()]
         return [value if np.isfinite(value).all() else None for value in found]
 
     def multipliers_in_words(self) -> str:
-        """Say the multipliers, and the bound of their errors."""
+        """Return the multipliers and the bound of their errors as text."""
         own = self.multipliers.tolist()
         found = (f"{x.real:.9g}{f' {x.imag:+.9g}i' if x.imag else ''}" if np.isfinite(x) else "none" for x in own)
         said = ", ".join(found) or "none"

@@ -20,7 +20,7 @@ from lsvib.systems.motion import Budget, Motion, follow
 
 
 class Label(StrEnum):
-    """What a motion of a system ends on."""
+    """The kind of what a motion of a system ends on; equal to its text, as in ``end.label == "cycle"``."""
 
     EQUILIBRIUM = "equilibrium"
     CYCLE = "cycle"
@@ -44,13 +44,19 @@ _LABELS = {
 
 @dataclass(frozen=True)
 class End:
-    """What a motion ends on.
+    """What a motion of a system ends on.
 
-    ``state`` by name: the equilibrium, or a state of the cycle; ``mode`` in which it has that. A cycle also has its
-    ``period`` [s], ``turns``, that as a multiple of the forcing's (0 without), ``multipliers`` [1], the largest first,
-    of the states without those of forcing and clocks, and ``orbit``, one period; ``cycle`` knows more of it. A family
-    has an ``orbit`` if it has a period. ``doubt`` says why an end is unresolved, ``reason`` in words; ``starts``: of a
-    search, how many end so.
+    ``label``: its kind; ``state``, by name: the equilibrium, or a state of the cycle, in ``mode``. A cycle also has its
+    ``period`` [s]; ``turns``, the same as a multiple of the period of the forcing (0 without forcing); ``multipliers``
+    [1], the largest first, of the states without those of forcing and clocks; ``orbit``, one period; and ``cycle``,
+    which knows more. A family has an ``orbit`` if it has a period. ``doubt``: why an end is unresolved, ``reason`` in
+    words; ``starts``: how many starts of a search end here (docs/systems.md).
+
+    >>> end = impact.steady_state("fly")  # of lsvib.systems.System
+    >>> end.label == "cycle", end.mode, f"{end.state['v']:.6f}", end.turns, f"{end.multipliers[0]:.6f}"
+    (True, 'fly', '-1.356586', 1, '-0.584295+0.005600j')
+    >>> [round(value, 6) for value in end.extremes(0)]  # of x
+    [-1.18406, 1.0]
     """
 
     label: Label
@@ -65,23 +71,23 @@ class End:
 
     @property
     def period(self) -> float:
-        """Period [s]; nan for what has none."""
+        """Period [s]; NaN if there is none."""
         return self.orbit.end_time if self.orbit else math.nan
 
     @property
     def multipliers(self) -> np.ndarray:
-        """Multipliers [1]; none of what is no cycle."""
+        """Multipliers [1], complex, the largest first; empty unless it is a cycle."""
         return self.cycle.multipliers if self.cycle else np.zeros(0)
 
     def extremes(self, k: int) -> tuple[float, float]:
-        """Return the smallest and largest value of a state, by its place; nan of what stays nowhere."""
+        """Return the smallest and largest value of the state with index ``k``; NaN if the motion does not settle."""
         if self.orbit is not None:
             return orbit_extremes(self.orbit, np.eye(1, self.orbit.start_state.size + 1, k)[0])
         value = [*self.state.values()][k] if self.label == Label.EQUILIBRIUM else math.nan
         return value, value
 
     def to_json(self) -> dict[str, Any]:
-        """Return it as plain numbers and names; what it has not is left out."""
+        """Return it as plain numbers and names, without what does not exist."""
         found: dict[str, Any] = {"label": self.label.value, "mode": self.mode, "state": dict(self.state)}
         found |= {"period": self.period} if self.orbit else {}
         found |= {"turns": self.turns} if self.turns else {}
@@ -91,7 +97,7 @@ class End:
         return found | ({"unresolved_because": self.reason} if self.doubt else {})
 
     def text(self) -> Iterator[str]:
-        """Say it in lines."""
+        """Yield it in lines of text."""
         where = ", ".join(f"{name} = {x:.15g}" for name, x in self.state.items())
         yield f"{self.label}{f' in mode {self.mode}' if self.mode else ''}: {self.reason or where}"
         if self.orbit is not None:

@@ -16,9 +16,12 @@ MOST_CELLS = 100_000_000  # of a map at once; each takes some hundred bytes whil
 
 @dataclass(frozen=True)
 class Axis:
-    """Cells of equal width (stop − start) / count along a coordinate of a start, in its SI unit.
+    """An axis of a :class:`Grid`: ``count`` cells of equal width (stop − start) / count along a coordinate [SI unit].
 
-    Made from numbers or text; raises ``InputError`` if one is none, or if cells coincide.
+    Numbers may be given as text. Raises ``InputError`` for what is not a number, or if cells coincide in doubles.
+
+    >>> lsvib.Axis("w", -80, 80, 4).centres()
+    array([-60., -20.,  20.,  60.])
     """
 
     coordinate: str
@@ -45,23 +48,23 @@ class Axis:
             )
 
     def centres(self, first: int = 0, last: int | None = None) -> np.ndarray:
-        """Return the middles of cells ``first`` to ``last`` (excluded); each from its own index, whatever the range."""
+        """Return the centres (last − first) of cells ``first`` to ``last`` (excluded) [SI unit]; by default of all."""
         return self.start + (np.arange(first, self.count if last is None else last) + 0.5) * self.width
 
     @property
     def width(self) -> float:
-        """Width of a cell."""
+        """Width of a cell [SI unit]."""
         return (self.stop - self.start) / self.count
 
 
 @dataclass(frozen=True)
 class Grid:
-    """Starts in two coordinates, ``x`` along columns and ``y`` along rows; ``fixed`` are the values of the others.
+    """Starts in two coordinates, ``x`` along columns and ``y`` along rows; ``fixed``: values [SI units] of others.
 
-    Raises ``InputError`` if an axis is none, or a coordinate is given twice.
+    Raises ``InputError`` if they are not two axes of different coordinates. See also :meth:`lsvib.Drive.attraction`.
 
     >>> grid = lsvib.Grid(lsvib.Axis("u", -0.1, 0.1, 40), lsvib.Axis("w", -80, 80, 30))
-    >>> grid.x.centres()[:2], grid.y.width  # motions start from the middles of cells
+    >>> grid.x.centres()[:2], grid.y.width  # motions start from the centres of cells
     (array([-0.0975, -0.0925]), 5.333333333333333)
     """
 
@@ -80,10 +83,9 @@ class Grid:
 
     @classmethod
     def of(cls, values: Mapping[str, Any], names: Sequence[str]) -> Self:
-        """Make a grid from ``{coordinate: {start, stop, count}}`` twice and ``{coordinate: value}``, as YAML has it.
+        """Make a grid from two ``{coordinate: {start, stop, count}}``, as in YAML, and ``{coordinate: value}``.
 
-        A span may also be (start, stop, count). Of the two axes, the one that comes first in ``names`` is
-        horizontal, whichever is written first. Raises ``InputError``.
+        A span may also be (start, stop, count). The axis that comes first in ``names`` is ``x``. Raises ``InputError``.
         """
         values = numbers.names_and_values("grid", values)
         for name, span in values.items():

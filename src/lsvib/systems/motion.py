@@ -43,11 +43,17 @@ class Budget:
 
 @dataclass(frozen=True)
 class Motion:
-    """A motion as the engine leaves it: its events and, between them, closed forms.
+    """A motion, such as one period of a cycle: its events, and closed forms between them.
 
     Arrays over the k events: ``time`` [s], ``kind``, ``sign``, ``mode`` (after the event), ``before`` and ``after`` (k,
     n). ``status`` says why it ended, at ``end_time`` [s] (of the last event if the motion settled) in ``end_mode`` and
-    ``end_state``.
+    ``end_state`` (n).
+
+    >>> import lsvib
+    >>> orbit = lsvib.Drive(translation_damping=1000, axial_force=30).steady_state("rest").orbit
+    >>> states, modes = orbit.at([0, orbit.end_time / 2])
+    >>> states.round(6).tolist(), modes.tolist()
+    ([[-0.046103, 2.876102], [0.041839, -0.850947]], [1, 0])
     """
 
     automaton: Automaton = field(repr=False)
@@ -65,7 +71,7 @@ class Motion:
     end_state: np.ndarray
 
     def at(self, times: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
-        """Return exact states (k, n) and modes (k) at ascending ``times`` [s] (k); at an event, those after it."""
+        """Return exact states (k, n) and modes (k) at ascending ``times`` (k) [s]; at an event, those after it."""
         times = np.ascontiguousarray(times, dtype=float)
         states = np.empty((times.size, self.start_state.size))
         modes = np.empty(times.size, dtype=np.int64)

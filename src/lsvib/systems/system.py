@@ -1,9 +1,6 @@
-"""A system of one's own: linear between events, in words and numbers, as a value of which all can be asked.
+"""A system of your own, linear between events, as a value that answers by its methods."""
 
-Motions begin in a ``mode`` with a ``state`` by name; states and clocks that it leaves out are zero, and harmonics are
-at phase 0. Each method raises ``InputError`` for what is not acceptable, and ``EngineError`` where the system does not
-say what follows, in one sentence.
-"""
+from __future__ import annotations
 
 import json
 import math
@@ -41,17 +38,23 @@ State = Mapping[str, float] | None
 
 @dataclass(eq=False, repr=False)
 class System:
-    """A system that is linear between events; immutable, checked as it is made.
+    """A system that is linear between events: x′ = A x + b in each mode; immutable and checked.
 
-    ``states``: names; ``parameters``: numbers, or expressions of other parameters; ``harmonics``: by ``"c, s"`` the
-    rate ω [rad/s] of c = cos ω t and s = sin ω t; ``clocks``: by name the period [s] after which a time returns to
-    zero; ``modes``: by name the derivatives of all states, affine in states, harmonics and clocks, or ``matrix`` and
-    ``vector``; ``events``: mappings with ``mode`` (one or several), ``when`` a condition comes true or ``at_clock``, as
-    that returns, and ``reset``, new values of states, ``to``, the mode that is entered, and ``beyond``, the mode that
-    follows infinitely many events in finite time; ``surfaces``: mappings with ``between``, two modes, and ``at``, which
-    is negative in the first one and positive in the second. A number in a text is the decimal that it is, a float the
-    double that it is. Modes that slide along surfaces have the names of those that meet there, as in
-    ``"slower|faster"``.
+    * ``states``: their names; ``parameters``: numbers, or expressions of other parameters. ``"0.8"`` is the decimal
+      0.8, ``0.8`` the double nearest to it.
+    * ``modes``: by name, the derivative of each state, affine in states, harmonics and clocks, or ``matrix`` (n, n) and
+      ``vector`` (n).
+    * ``harmonics``: the rate ω [rad/s] of c = cos ω t and s = sin ω t, under the key ``"c, s"``; ``clocks``: by name,
+      the period [s] after which a time returns to zero.
+    * ``events``: mappings with ``mode`` (one or several); ``when``, an inequality that comes true, or ``at_clock``, the
+      clock that returns to zero; ``reset``, new values of states; ``to``, the mode entered; ``beyond``, the mode after
+      infinitely many events in finite time.
+    * ``surfaces``: mappings with ``between``, two modes, and ``at``, negative in the first and positive in the second.
+      A mode that slides along a surface is named after both, as in ``"slower|faster"``.
+
+    Motions start in a ``mode`` with a ``state`` by name; omitted states and clocks are zero, and harmonics at phase 0.
+    Raises ``InputError``; methods also ``EngineError`` where the system does not determine what follows. See also
+    docs/systems.md, from a paper to a system; :meth:`lsvib.Drive.system`. The methods' examples use ``impact``:
 
     >>> from lsvib.systems import System
     >>> impact = System(
@@ -87,15 +90,23 @@ class System:
 
     @classmethod
     def of(cls, values: Mapping[str, Any], /) -> Self:
-        """Make a system from its keys, as a file holds them; raises ``InputError`` in one sentence."""
+        """Make a system from its :meth:`keys`, such as the content of a YAML file; raises ``InputError``."""
         return cls(**_known("system", values, KEYS, ("states", "modes")))
 
     def keys(self) -> dict[str, Any]:
-        """Return the keys that make it, as a file holds them."""
+        """Return the keys of the system, without empty ones.
+
+        >>> System.of(impact.keys()) == impact
+        True
+        """
         return {key: deepcopy(value) for key in KEYS if (value := getattr(self, key))}
 
     def replace(self, /, **changes: Any) -> Self:
-        """Return a copy with some parameters changed, or whole keys such as ``events``, checked again."""
+        """Return a copy with other values of some parameters, or whole keys such as ``events``; raises ``InputError``.
+
+        >>> impact.replace(r=0.5).parameters
+        {'r': 0.5}
+        """
         keys = self.keys()
         for name, value in changes.items():
             if name not in KEYS:
@@ -118,11 +129,15 @@ class System:
         return str(vars(self)["_text"])
 
     def simulate(self, mode: str, state: State, duration: float, *, samples: int = 1001) -> xr.Dataset:
-        """Return the exact motion from a start, with its events.
+        """Return the exact motion from a start, with its events: e^{At} in each mode, and roots of the conditions.
 
-        ``duration`` [s], and the number of ``samples``, equidistant in time, both ends included. Returns a dataset over
-        ``time`` [s] with all states and the mode, and over ``event`` the time and kind of each event, the mode that it
-        enters and the states before and after it.
+        Arguments: ``duration`` [s]; the number of ``samples``, equidistant in time, both ends included. Returns a
+        dataset with the states and the mode over ``time`` [s], and over ``event`` the time and kind of each event, the
+        mode that it enters and the states before and after it. Raises ``InputError``, and ``EngineError`` where the
+        motion is not determined or grows without bound.
+
+        >>> impact.simulate("fly", {"x": 0.1}, 20.0).event_time.values.round(3).tolist()
+        [6.283, 6.6, 12.306, 12.566, 18.85, 19.04]
         """
         own, end = made(self), numbers.start("duration", duration)
         if end < 0:
@@ -149,7 +164,15 @@ class System:
         return self._dataset(states_of(own, "time", states), data, axes, about)
 
     def steady_state(self, mode: str, state: State = None) -> End:
-        """Return what the motion from a start ends on: label, period, multipliers, one period as ``orbit``."""
+        """Return what the motion from a start ends on, decided by its Poincaré map.
+
+        Returns an :class:`lsvib.systems.End` with ``label``, ``period`` [s], ``multipliers`` [1] and one period as
+        ``orbit``; one that is unresolved says why. Raises ``InputError``, ``EngineError``.
+
+        >>> end = impact.steady_state("fly", {"x": 0.1})
+        >>> f"{end.label}, {end.period:.6f} s, {abs(end.multipliers[0]):.6f}"
+        'cycle, 6.283185 s, 0.584322'
+        """
         return end_of(self, mode, state)
 
     def cycles(
@@ -160,10 +183,14 @@ class System:
         count: int = 100,
         seed: int = 0,
     ) -> list[End]:
-        """Return all that motions end on, each once with the number of its ``starts``, cycles first.
+        """Return what motions from many starts end on, each end once, cycles first; repelling cycles are not found.
 
-        ``starts``: modes and states; ``box``: least and largest value of some states, between which ``count`` more
-        starts are drawn, in all modes, by a generator with this ``seed``. Cycles that repel are not found so.
+        Arguments: ``starts``, pairs of mode and state; ``box``, the least and largest value of some states, between
+        which ``count`` more starts are drawn in all modes, by a generator with this ``seed``. Returns a list of
+        :class:`lsvib.systems.End`, each with the number of its ``starts``. Raises ``InputError``, ``EngineError``.
+
+        >>> [(end.label.value, end.turns, end.starts) for end in impact.cycles(box={"x": (-1, 1)}, count=20)]
+        [('cycle', 1, 20)]
         """
         chance = np.random.default_rng(numbers.whole_between("seed", seed, 0, 2**63))
         try:
@@ -193,10 +220,16 @@ class System:
         points: int = 1000,
         progress: Progress | None = None,
     ) -> CycleBranch:
-        """Follow a cycle of this system over a parameter, both ways, at most so many ``points`` each.
+        """Follow a cycle over a parameter, both ways, by pseudo-arclength continuation, whether it attracts or not.
 
-        ``span``: its smallest and largest value, with the system's own between them. Returns the branch with its points
-        and ``changes``, of which each has a ``name``: fold, period doubling, Neimark–Sacker, grazing, border collision.
+        Arguments: ``cycle``, an :class:`lsvib.systems.End`; ``span``, the smallest and largest value of the parameter,
+        which enclose the system's own; at most so many ``points`` each way; ``progress``, called with the numbers of
+        points done and of all. Returns the branch with its ``points`` and ``changes``, each with a ``name``: fold,
+        period doubling, Neimark–Sacker, grazing or border collision (docs/cycles.md). Raises ``InputError``.
+
+        >>> branch = impact.follow(impact.steady_state("fly"), "r", (0.75, 0.85))
+        >>> [f"{point.cycle.leading:.3f}" for point in (branch.points[0], branch.points[-1])]
+        ['0.548', '0.621']
         """
         own, one = made(self), cycle.cycle if isinstance(cycle, End) else None
         if one is None:
@@ -222,11 +255,16 @@ class System:
         progress: Progress | None = None,
         **over: Sequence[float] | np.ndarray,
     ) -> xr.Dataset:
-        """Return what the motion from a start ends on over values of parameters, all combinations of them.
+        """Return what the motion from a start ends on over some parameters; over two, this is a chart.
 
-        It begins in the first mode unless another is named. Returns a dataset over the parameters with the label, the
-        period [s], as a multiple of the forcing's as well, the largest multiplier, the extremes of each state and how
-        often each event happens in a period; of two parameters that is a chart.
+        Arguments: ``over``, the values of each parameter, by name; all their combinations are taken. The motion starts
+        in the first mode unless another is named; ``progress`` is called with the numbers of motions done and of all.
+        Returns a dataset over the parameters with the label, the period [s], also as a multiple of that of the forcing,
+        the largest multiplier [1], the extremes of each state and how often each event occurs in a period. Raises
+        ``InputError``, ``EngineError``.
+
+        >>> impact.sweep(r=[0.5, 0.8]).multiplier.values.round(6).tolist()
+        [0.365201, 0.584322]
         """
         axes, begin = numbers.axes(over, self._check_parameter), mode or next(iter(self.modes))
         dims, shape, ends = (*axes,), tuple(map(len, axes.values())), list[End]()
@@ -257,11 +295,16 @@ class System:
         return self._dataset(cf.columns(dims, own, shape), found, coordinates, about)
 
     def map(self, grid: Mapping[str, Any], mode: str | None = None, *, progress: Progress | None = None) -> xr.Dataset:
-        """Return what motions from the cells of a grid end on.
+        """Return what motions from the cells of a grid end on: basins of attraction.
 
-        ``grid``: two states, each (start, stop, count), and values of others; the ``mode`` is the first one unless
-        another is named. Returns a dataset over both with the number of the end of each cell, ``behaviour``, and what
-        these ends are.
+        Arguments: ``grid``, two states, each (start, stop, count), and values of others; ``mode``, by default the first
+        one; ``progress``, called with the numbers of rows done and of all. Returns a dataset with the number of the end
+        of each cell over both states, ``behaviour``, and over ``end`` its label, period [s], largest multiplier [1],
+        state and ``fraction`` of the cells. Raises ``InputError``, ``EngineError``.
+
+        >>> found = impact.map({"x": (-1, 1, 4), "v": (-1, 1, 3)})
+        >>> found.behaviour.shape, found.fraction.values.tolist()
+        ((3, 4), [1.0])
         """
         own, cells, begin = made(self), Grid.of(grid, [*self.states]), mode or next(iter(self.modes))
         rows, columns = cells.y.centres().tolist(), cells.x.centres().tolist()
