@@ -1,7 +1,7 @@
-"""lsvib: friction-induced vibration of lead-screw drives, computed exactly from event to event.
+"""Friction-induced vibration of lead-screw drives, computed exactly from event to event.
 
-The public names are those that ``__init__.pyi`` imports. They are loaded on first use, so that importing the package
-costs nothing that is not needed.
+:class:`lsvib.Drive` answers questions about a drive by its methods, :func:`lsvib.assess` assesses a data sheet, and
+:class:`lsvib.systems.System` is a system of your own. Public names (``__init__.pyi``) are loaded on first use.
 """
 
 import lazy_loader

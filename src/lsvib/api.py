@@ -59,9 +59,7 @@ class Drive(drive.Drive):
         return coefficients(self)
 
     def describe(self) -> Description:
-        """Return the parts of the drive, its coordinates, its equations of motion in numbers [SI units] and its modes.
-
-        See also :mod:`lsvib.drives.mechanism`, which explains the symbols.
+        """Return parts, coordinates, equations of motion in SI numbers (:mod:`lsvib.drives.mechanism`) and modes.
 
         >>> print(*lsvib.Drive(mass=11, screw_mass=3, support_stiffness=1e6).describe().equations[:3], sep="\\n")
         3.12e-06 θ″ = − 1 z − 0.0002 θ′ − τ
@@ -265,7 +263,7 @@ class Drive(drive.Drive):
         * ``cycle``: one of :meth:`cycles`.
         * ``parameter``, by name, and ``span``: its smallest and largest value [SI unit], which enclose the drive's own.
         * ``points``: at most so many each way; ``physics`` as for :meth:`automaton`.
-        * ``progress``: a function that is called with the numbers of points done and of all.
+        * ``progress``: called with the numbers of points done and of all.
 
         Returns the branch, found by pseudo-arclength continuation: its points, folds, changes of events and stability,
         and why it ends. Raises ``InputError``. See also :meth:`threshold`, whose values are enclosed with certainty;
@@ -290,8 +288,7 @@ class Drive(drive.Drive):
         * ``over``: the values [SI units] of each parameter, by name; all their combinations are taken.
         * ``start``: as for :meth:`simulate`, of one motion of each drive. By default the motion starts beside steady
           sliding and, if it returns there, two others start far away and at rest.
-        * ``workers``: number of threads, which does not change the result; ``progress``: a function that is called with
-          the numbers of motions done and of all.
+        * ``workers``: the number of threads; ``progress``: called with the numbers of motions done and of all.
 
         Returns a dataset over the parameters with attractor, amplitude [rad], period [s], multiplier [1],
         peak_normal_force [N] and peak_normal_impulse [N s] of the motion beside steady sliding, or from ``start``;

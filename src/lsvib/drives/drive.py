@@ -295,11 +295,7 @@ class Drive(Checked):
         return type(self)(**{**self.model_dump(), **_resolved(changes)})
 
     def exact(self) -> "ExactParameters":
-        """Return the parameters as balls (``flint.arb``: a midpoint and a radius) of 150 digits, with tan λ and more.
-
-        >>> print(lsvib.Drive().exact().tan_lead.str(20))
-        [0.097522251733493359864 +/- 1.33e-22]
-        """
+        """Return the parameters as balls of 150 digits (``flint.arb``: a midpoint and a radius), and sin λ, tan λ, …"""
         return _exact(self)
 
 

@@ -74,7 +74,7 @@ class Basin:
         law = friction.depends_on_speed(self.drive)
         return (backward_under_law(self.drive) if law else automaton_of(self.drive)).flow
 
-    def contains(self, state: ArrayLike) -> bool:
+    def contains(self, state: "ArrayLike") -> bool:
         """Whether the motion from ``state`` (u [rad], w [rad/s]) settles; on the boundary itself either answer."""
         return not self.curves or contains(self.flow, self.curves, np.asarray(state, dtype=float))
 

@@ -18,7 +18,11 @@ from lsvib.systems.kernels.layout import GRAZE_KIND
 
 @dataclass(frozen=True, repr=False)
 class Cycle(cycles.Cycle):
-    """A :class:`lsvib.systems.cycles.Cycle` of ``drive``, with its work; means omit the impulses of its seizures.
+    """A periodic motion of ``drive``, with its work; means omit the impulses of seizures (docs/cycles.md).
+
+    ``orbit``: one period from ``state`` (n); ``residual`` [1]: the change of the state over it, relative to the size of
+    the motion; ``multipliers`` [1] (n − 1), complex, the largest first, and ``multiplier_error``, a bound of their
+    errors (for stiff contacts an estimate); ``found_by``: how it was found.
 
     >>> cycle = lsvib.Drive(translation_damping=1000).cycles().cycles[0]
     >>> f"{cycle.period:.6f} s", f"{cycle.amplitude:.6f} rad", f"{cycle.work.motor:.6f} J", cycle.attracting

@@ -1,16 +1,15 @@
 """The attractor that a motion of any model reaches: the one rule by which every label of a motion is decided.
 
-The way of a label: here → :mod:`lsvib.systems.kernels.attractor` (the rule) →
-:mod:`lsvib.systems.kernels.poincare_map` (section, returns, fixed points) → :mod:`lsvib.systems.kernels.saltation`
-(their derivatives), which follow motions by the engine. Maps, sweeps and charts ask nothing else.
+The way of a label: here → :mod:`lsvib.systems.kernels.attractor` (the rule) → :mod:`lsvib.systems.kernels.poincare_map`
+(section, returns, fixed points) → :mod:`lsvib.systems.kernels.saltation` (their derivatives), which follow motions by
+the engine. Maps, sweeps and charts ask nothing else.
 
-The motion is followed, 16 events, 64, and then twice as many again and again, until one of these holds, as
-docs/attraction.md says: no guard can fire again, or its events recur. Then the section is that of the rarest events of
-the later half, and Newton's method seeks a fixed point of the map of so many returns as take the state back, or, in 64
-events or more, nearest to where it was (:mod:`lsvib.systems.section`). What leaves the range of numbers is unbounded if
-energy can grow in the model, and what the budget does not suffice for unresolved, for a named reason (:class:`Doubt`).
-
-No waiting time enters, and nothing depends on other motions.
+The motion is followed for 16 events, for 64, and then for twice as many again and again, until no guard can fire any
+more or its events recur. Then the section is that of the rarest events of the later half, and Newton's method seeks a
+fixed point of the map of as many returns as take the state back or, in 64 events or more, nearest to where it was
+(:mod:`lsvib.systems.section`). What leaves the range of numbers is unbounded if energy can grow in the model; what the
+budget does not suffice for is unresolved, for a named reason (:class:`Doubt`). No waiting time enters, and nothing
+depends on other motions.
 """
 
 import math
@@ -33,16 +32,20 @@ from lsvib.systems.motion import Motion, enter, follow, new_events
 
 
 class Attractor(IntEnum):
-    """Where a motion of a drive ends (docs/attraction.md), numbered as in datasets: ``lsvib.Attractor(2).name``."""
+    """Where a motion of a drive ends (docs/attraction.md), numbered as in datasets: ``lsvib.Attractor(2).name``.
+
+    OTHER_CYCLE: pure slip, nothing sticks; UNBOUNDED: only in a system that is not passive; REST: at rest for ever;
+    NEUTRAL_FAMILY: undamped oscillations side by side, each periodic, none attracting the others.
+    """
 
     UNRESOLVED = -1
     STEADY_SLIDING = 0
     STICK_SLIP_CYCLE = 1
     SPRAG_SLIP_CYCLE = 2
-    OTHER_CYCLE = 3  # a cycle of pure slip, in which nothing sticks
-    UNBOUNDED = 4  # only of a system that is not passive
-    REST = 5  # at rest for ever
-    NEUTRAL_FAMILY = 6  # undamped oscillations side by side, each periodic, none attracting the others
+    OTHER_CYCLE = 3
+    UNBOUNDED = 4
+    REST = 5
+    NEUTRAL_FAMILY = 6
 
 
 class Doubt(StrEnum):
@@ -114,14 +117,14 @@ class SteadyState:
 
     @property
     def period(self) -> float:
-        """Period [s]; nan for an equilibrium."""
+        """Period [s]; NaN for an equilibrium."""
         return self.orbit.end_time if self.orbit else math.nan
 
     def same_period(self, other: "SteadyState") -> bool:
         """Whether two cycles have the same period [s], to a relative 1e-6."""
         return abs(self.period - other.period) <= 1e-6 * self.period
 
-    def extremes(self, row: ArrayLike) -> tuple[float, float]:
+    def extremes(self, row: "ArrayLike") -> tuple[float, float]:
         """Return the extremes over the cycle of an affine function (n + 1), or of one for each mode (m, n + 1).
 
         The constant is last. Raises ``EngineError`` if they cannot be isolated.

@@ -62,7 +62,7 @@ class BranchPoint:
 
 @dataclass(frozen=True)
 class CycleBranch:
-    """A branch of cycles over a ``parameter``: its ``points`` in order, and the ``changes`` along it (docs/cycles.md).
+    """A branch of cycles over a ``parameter`` (docs/cycles.md): its ``points`` in order, and its ``changes``.
 
     >>> branch = impact.follow(impact.steady_state("fly"), "r", (0.75, 0.85))  # of lsvib.systems.System
     >>> [(change.kind, change.value) for change in branch.changes], branch.points[0].cycle.attracting

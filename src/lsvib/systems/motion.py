@@ -70,7 +70,7 @@ class Motion:
     end_mode: int
     end_state: np.ndarray
 
-    def at(self, times: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
+    def at(self, times: "ArrayLike") -> tuple[np.ndarray, np.ndarray]:
         """Return exact states (k, n) and modes (k) at ascending ``times`` (k) [s]; at an event, those after it."""
         times = np.ascontiguousarray(times, dtype=float)
         states = np.empty((times.size, self.start_state.size))
