@@ -89,8 +89,8 @@ class Drive(drive.Drive):
     def stability(self) -> StabilityReport:
         """Return the linear stability of steady sliding, u = u̇ = 0.
 
-        Steady sliding of the rigid drive is unstable where Γ_0 < 0 or C_0 < 0 (eqs 8.18–8.21), that of a drive with
-        parts where its characteristic polynomial has a root with a positive real part. Signs are decided exactly.
+        With constant friction steady sliding of the rigid drive is unstable where Γ_0 < 0 or C_0 < 0 (eqs 8.18–8.21);
+        in general, where the characteristic polynomial has a root with a positive real part. Signs are decided exactly.
 
         Returns the verdict and its kind, the eigenvalues [1/s], the conditions of instability with their margins, and
         quantities with units. Raises ``InputError`` if the contact carries no force (R̃ = 0), so that the friction law

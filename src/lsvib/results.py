@@ -22,7 +22,7 @@ class Quantity:
 
 @dataclass(frozen=True)
 class Condition:
-    """A condition of instability, as eqs 8.19, 8.21; ``hold`` is true exactly if all its ``margins`` are positive.
+    """A condition of instability (eq. 8.19 or 8.21); ``hold`` is true exactly if all its ``margins`` are positive.
 
     ``margins``: those of its inequalities, by name, in SI units. Margins that do not exist are omitted; a condition
     without margins does not hold.

@@ -34,8 +34,7 @@ Values = Annotated[  # a thousand take ten seconds
 class Command(Checked):
     """The commanded speed of the motor, ``speeds`` [rad/s] at ``times`` [s] and linear between them.
 
-    It is constant before the first and after the last time, and jumps where a time is given twice. Raises
-    ``InputError``.
+    It is constant before the first and after the last time, and jumps where a time is given twice.
 
     >>> Command(times=[0, 0.2, 1, 1.5], speeds=[0, 40, 40, 0]).at([0.1, 2.0])
     array([20.,  0.])
@@ -115,10 +114,10 @@ REST = "rest"  # a start, in place of coordinates
 class Scene(Checked):
     """One simulation, immutable and checked.
 
-    Values are as for :meth:`lsvib.Drive.simulate`, ``drive`` also as names and values. ``physics``: the terms of the
-    equations of motion, by default those that are not zero, and rest. A damping or force that is not listed must be
-    zero; without ``rest`` the motion of a rigid drive is assumed never to reach θ′ = 0, so that reversal, rest and
-    seizure are left out. ``resume``: how the motion continues after a seizure (docs/physics.md). Raises ``InputError``.
+    Its fields are the arguments of :meth:`lsvib.Drive.simulate`, and ``drive``, also as names and values. ``physics``:
+    the terms of the equations of motion, by default those that are not zero, and rest. A damping or force that is not
+    listed must be zero; without ``rest`` the motion of a rigid drive is assumed never to reach θ′ = 0, so that
+    reversal, rest and seizure are left out (docs/physics.md). Raises ``InputError``.
 
     >>> scene = lsvib.Scene(drive={"mass": 11}, start={"u": 0.1, "w": 0}, duration=0.1)
     >>> lsvib.simulate(scene).sizes["time"], scene.terms

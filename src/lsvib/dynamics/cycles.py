@@ -40,7 +40,7 @@ class Cycle(cycles.Cycle):
 
     @cached_property
     def work(self) -> Work:
-        """Work over a period [J], by what does it."""
+        """Work over a period [J]: of motor and load, friction, damping and impacts."""
         return work(self.drive, self.orbit)
 
     @property

@@ -107,7 +107,7 @@ def mean_load(drive: Drive, orbit: Motion) -> np.ndarray:
 class Work:
     """Work over one period [J]: ``motor`` and ``load`` do it (negative if they receive it), the others dissipate it.
 
-    ``motor``: Ω ∫ T dt, with the torque T of the coupling or, with a motor, that of the controller, T = K_p (Ω − θ_m′)
+    ``motor``: Ω ∫ T dt, with the torque T of the coupling or, behind a motor, of its controller, T = K_p (Ω − θ_m′)
     + K_i ∫ (Ω − θ_m′) dt. Such a speed loop acts as a spring and a damper to the commanded motion: K_p ∫ (Ω − θ_m′)² dt
     is part of ``damping``, and the rotor receives that much less, ∫ T θ_m′ dt. ``friction``: of threads, slide, bearing
     and collar; ``damping``: of all dampers; ``impacts``: kinetic energy lost in seizures.

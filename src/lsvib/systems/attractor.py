@@ -62,7 +62,7 @@ class Doubt(StrEnum):
 
     @classmethod
     def of(cls, error: EngineError) -> "Doubt":
-        """Return what an error of the engine stands for."""
+        """Return the doubt that an error of the engine means."""
         return next((doubt for kind, doubt in _MEANT.items() if isinstance(error, kind)), cls.ENGINE)
 
 

@@ -80,8 +80,8 @@ class Automaton:
     the threads ``jam``; kinds of events that are an ``impact``, and those that divide the tables but not the motion,
     ``passage``. ``stands``: an equilibrium is rest, whatever its mode. Two facts are given by the model: ``passive``,
     energy enters only as the work of constant forces, so that no motion grows faster than in proportion to time;
-    ``contracts``, slip makes no area of the phase plane larger, and all smaller or none, and neither does coming to
-    rest or passing it (docs/attraction.md).
+    ``contracts``, slip makes every area of the phase plane smaller, or leaves every one as it is, and coming to rest or
+    passing it makes none larger (docs/attraction.md).
 
     >>> lsvib.Drive().automaton().observe("normal_force", np.zeros((1, 2)), np.array([0]))  # [N], in steady sliding
     array([49.19140026])

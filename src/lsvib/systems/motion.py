@@ -80,7 +80,7 @@ class Motion:
         return states, modes
 
     def events(self) -> Events:
-        """Return the events as kernels take them."""
+        """Return the arrays over the events as the tuple that kernels take."""
         return Events(self.time, self.kind, self.sign, self.mode, self.before, self.after)
 
     def arcs(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
