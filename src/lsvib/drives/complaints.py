@@ -48,15 +48,13 @@ class Least:
         raise PydanticCustomError("too_close_to_zero", "is too close to zero")
 
 
-if TYPE_CHECKING:
-    from pydantic._internal._model_construction import ModelMetaclass
+if TYPE_CHECKING:  # by which a type checker knows the fields
+    from pydantic._internal._model_construction import ModelMetaclass as _Own
 else:
-    ModelMetaclass = type(BaseModel)
 
-
-class _Own(ModelMetaclass):
-    def __dir__(cls) -> list[str]:  # without the names of pydantic, also in ``help``
-        return [name for name in super().__dir__() if name[:2] != "__" and name not in dir(BaseModel)]
+    class _Own(type(BaseModel)):
+        def __dir__(cls) -> list[str]:  # without the names of pydantic, also in ``help``
+            return [name for name in super().__dir__() if name[:2] != "__" and name not in dir(BaseModel)]
 
 
 class Checked(BaseModel, metaclass=_Own):
