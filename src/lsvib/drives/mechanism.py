@@ -1,14 +1,14 @@
-r"""Newton's laws of a drive that is made of parts, solved in each of its modes.
+r"""Newton's laws of a drive with its parts, solved in each mode.
 
           Ω t                θ, x_1                        x = r_m tan λ (θ − θ_2) + x_1 + e,  θ_2
     motor ──/\/\/\── k ──▶ (I, m_1) screw ═══threads═══▶ [m, I_2] nut ──▶ R
                             turning: c, T_0 to ground      along: c_x, F_0 to ground
                             along: k_1 ∥ c_1 to ground     turning: k_2 ∥ c_2 to ground
 
-A motor with a controller of its speed may stand before the coupling: J θ_m″ = K_i (Ω t − θ_m) + K_p (Ω − θ_m′) − T, and
-then z = θ − θ_m. A part that a drive does not have is rigid, and its coordinate is not there: the shift x_1 of the
-screw belongs to the axial ``support`` (Sect. 5.6), the angle θ_2 to a ``nut`` that may turn (Sect. 5.8), the mismatch e
-of nut and screw to compliant ``threads`` (Sect. 5.5). With the axial contact force n, the torque τ of the threads,
+A motor with a speed controller may drive the coupling: J θ_m″ = K_i (Ω t − θ_m) + K_p (Ω − θ_m′) − T, and then
+z = θ − θ_m. A part that a drive does not have is rigid, and its coordinate is absent: the shift x_1 of the screw
+belongs to the axial ``support`` (Sect. 5.6), the angle θ_2 to a rotating ``nut`` (Sect. 5.8), the mismatch e of nut and
+screw to compliant ``threads`` (Sect. 5.5). With the axial contact force n, the torque τ of the threads,
 T = −k z − d z′, the torque of the screw T − c θ′ − T_0 sgn θ′, S = k_1 x_1 + c_1 x_1′, S_2 = k_2 θ_2 + c_2 θ_2′ and
 P = R − c_x x′ − F_0 sgn x′,
 

@@ -1,8 +1,8 @@
-"""Friction of pairings of screw and nut by name, from tables of makers and from measurements.
+"""Friction of pairings of screw and nut by name, from makers' tables and from measurements.
 
-``friction="steel_on_bronze_lubricated"`` may stand for ``friction_coefficient`` and the law wherever the parameters of
-a drive are given. Tables state one typical number or a range, of which the middle is taken. They are no property of a
-drive: load, speed, surface and lubricant make more of a difference than their digits.
+``friction="steel_on_bronze_lubricated"`` may replace ``friction_coefficient`` and the law wherever the parameters of a
+drive are given. Tables state one typical number or a range, of which the middle is taken. They do not describe one
+drive: load, speed, surface and lubricant matter more than their digits.
 """
 
 from collections.abc import Mapping
@@ -23,10 +23,10 @@ _NO_LAW = {name: 1.0 if name == "stribeck_exponent" else 0.0 for name in NAMES}
 
 @dataclass(frozen=True)
 class Pairing:
-    """Friction that is known by a name.
+    """Friction that has a name.
 
-    ``low``, ``high``: the range of the coefficient [1], of kinetic friction where there is a law; ``source``, in words;
-    ``law``, the parameters of the law, those that are not named being of no effect.
+    ``low``, ``high``: the range of the coefficient [1], of kinetic friction if there is a law; ``source``, in words;
+    ``law``: the parameters of the law that have an effect, by name.
     """
 
     low: float

@@ -27,11 +27,11 @@ _CLOSE = 1e-9  # relative, of a row to what it shall be: what is further off is 
 
 @dataclass(frozen=True)
 class Solved:
-    """The ``values`` of an ``entry`` in ``unit`` at which a ``row`` has the ``wanted`` value [SI units], or its limit.
+    """The ``values`` of an ``entry`` in ``unit`` at which a ``row`` has the ``wanted`` value [SI unit], or its limit.
 
-    All at the middle values, the first next to what the sheet gives, or else the largest; next to it ``worst``, for the
-    worst row in window and uncertainties, and ``best``, for the best in the latter, None where it is the same.
-    ``sheet``: with the first.
+    They are for the middle values of all other entries; the first is nearest to what the sheet gives, or else the
+    largest, and ``sheet`` has it. Nearest to it are ``worst``, for the worst case of the row in window and
+    uncertainties, and ``best``, for the best case within uncertainties; None where that is the same.
     """
 
     entry: str
@@ -62,9 +62,8 @@ class Solved:
 def solved(values: Mapping[str, Any], entry: str, goal: str) -> Solved:
     """Solve the statics of a sheet, as names and values, for one ``entry``, such as load.force, which it need not give.
 
-    ``goal``: a row of statics, or motor.torque for the torque against the load at the motor, or at the screw without a
-    gear, with its value, or alone where it shall be at its limit. Raises ``InputError`` in one sentence, also where no
-    value of the entry does.
+    ``goal``: a row of statics with its value, or alone for its limit; motor.torque is the torque against the load, at
+    the motor or, without a gear, at the screw. Raises ``InputError``, also if no value of the entry meets the goal.
 
     >>> sheet = {"thread": {"size": "Tr 32x6"}, "friction": {"coefficient": 0.08}}
     >>> solved(sheet, "load.force", "motor.torque = 60 N*m").sentence
