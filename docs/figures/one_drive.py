@@ -24,6 +24,8 @@ def draw(found: xr.Dataset) -> Figure:
     figure = style.new_figure(style.DOUBLE, 2.9)
     plane, curve = figure.subplots(1, 2)
     attraction.draw_map(plane, found)
+    # In grey the two colours are equal.
+    plane.contour(found.u, found.w, found.label, [found.label.min() + 0.5], colors=style.BLACK, linewidths=0.8)
     motion = DRIVE.simulate(START, 0.02, samples=4001)
     plane.plot(motion.u, motion.w, color=style.BLUE, label="a motion", linewidth=1)
     drawing.draw_cycle(plane, found.isel(cycle=0), name="its limit cycle")
@@ -31,7 +33,7 @@ def draw(found: xr.Dataset) -> Figure:
     plane.axis((*GRID["u"][:2], *GRID["w"][:2]))
     drawing.draw_lines(plane, found, style.VERMILION, "$N = 0$")
     drawing.label_axes(plane, found)
-    plane.set_title("Blue region: tolerated perturbations")
+    plane.set_title("Outlined region: tolerated perturbations")
     plane.legend(loc="upper right", fontsize=6.5)
     _draw_curve(curve)
     return figure
@@ -40,16 +42,15 @@ def draw(found: xr.Dataset) -> Figure:
 def _draw_curve(axes) -> None:
     found = DRIVE.sweep(axial_force=FORCES.tolist(), start=START)
     limit = DRIVE.threshold("global_stability")
-    axes.plot(FORCES, found.amplitude, ".-", color=style.ORANGE, markersize=3, label="sprag-slip after a perturbation")
+    size = found.amplitude.where(found.amplitude > 0)
+    axes.plot(FORCES, size, ".-", color=style.ORANGE, markevery=10, label="sprag-slip after a perturbation")
     axes.axhline(0, color=style.SKY, linewidth=2, label="steady sliding, linearly stable")
-    axes.axvline(limit.value, label=f"threshold: R = {limit.value:.3f} N", **style.PRINTED)
-    axes.plot(
-        DRIVE.axial_force, found.amplitude.sel(axial_force=DRIVE.axial_force), "ko", label="the drive on the left"
-    )
-    axes.set_xlabel("axial force $R$ [N]")
-    axes.set_ylabel("amplitude [rad]")
+    axes.axvline(limit.value, label=f"threshold: $R = {limit.value:.3f}$ N", **style.PRINTED)
+    axes.plot(DRIVE.axial_force, size.sel(axial_force=DRIVE.axial_force), "ko", label="the drive on the left")
+    axes.set_xlabel("Axial force $R$ [N]")
+    axes.set_ylabel("Amplitude [rad]")
     axes.set_title("It slides or vibrates, depending on the start")
-    axes.set_ylim(-0.01, 0.2)
+    axes.axis((FORCES[0], 0, -0.01, 0.2))
     axes.legend(fontsize=6.5)
 
 
