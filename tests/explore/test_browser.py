@@ -3,6 +3,7 @@
 import re
 import subprocess
 import sys
+from contextlib import contextmanager
 from time import monotonic
 from urllib.parse import parse_qsl, urlsplit
 from urllib.request import urlopen
@@ -17,13 +18,21 @@ VIEW = "mass=11.0&support_damping=0.001&axial_force=-10.0&u=0.1&low=-40&high=-0.
 _PATIENCE = 60_000  # ms, on a machine with other work; what is waited for comes within a second
 
 
+@contextmanager
+def serving(port: str = "0"):
+    """The address of a server that ends behind the block."""
+    command = [sys.executable, "-m", "lsvib", "explore", "--no-show", "--port", port]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        try:
+            yield re.search(r"http://localhost:\d+/", process.stdout.readline()).group()
+        finally:
+            process.terminate()
+
+
 @pytest.fixture(scope="module")
 def server():
-    command = [sys.executable, "-m", "lsvib", "explore", "--no-show", "--port", "0"]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
-        line = process.stdout.readline()
-        yield re.search(r"http://localhost:\d+/", line).group()
-        process.terminate()
+    with serving() as address:
+        yield address
 
 
 @pytest.fixture
@@ -122,11 +131,24 @@ def test_the_link_reproduces_the_view(page, browser, server):
 
 
 def test_the_first_page_fits_a_telephone_and_shows_a_drive_that_vibrates(browser, server):
-    with chromium.opened(browser, server, 390, 844) as opened:
+    with chromium.opened(browser, server, 320, 667) as opened:
         words(opened, "sprag slip cycle of amplitude 0.056")
         assert chromium.wider_than_the_screen(opened) <= 0
         slider = opened.get_by_role("slider", name="pitch radius of the screw")
         assert opened.get_by_role("status").bounding_box()["y"] < slider.bounding_box()["y"]
+
+
+def test_a_page_without_its_server_takes_nothing(browser):
+    """It would show the old answer beside what is moved. With a server again it is as before."""
+    with serving() as first:
+        page = browser.new_page()
+        page.goto(f"{first}?{VIEW}")
+        words(page, "sprag slip cycle of amplitude 0.056")
+    page.locator("main[inert]").wait_for(timeout=_PATIENCE)
+    with serving(str(urlsplit(first).port)):
+        page.locator("main:not([inert])").wait_for(timeout=_PATIENCE)
+        words(page, "sprag slip cycle of amplitude 0.056")
+        page.close()
 
 
 @pytest.mark.parametrize(("name", "start"), [("scene.yaml", b"drive:"), ("motion.nc", b"\x89HDF")])

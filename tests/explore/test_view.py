@@ -332,17 +332,26 @@ def test_an_answer_that_comes_when_the_drive_has_changed_is_not_shown(work, monk
     assert page._said.styles["visibility"] == "hidden"
 
 
-def test_a_page_says_that_it_compiles(monkeypatch):
-    """It draws nothing before, and answers afterwards what was asked."""
+@pytest.mark.parametrize(
+    ("key", "text", "parts", "mass", "said"),
+    [("mass", "9", ("threads",), 9, ""), ("duration", "-1", (), 11, "outside the allowed range")],
+)
+def test_a_page_says_that_it_compiles(key, text, parts, mass, said, monkeypatch):
+    """Nothing remains of the drive before; what was asked meanwhile is answered too, or the drive before is back."""
     page, ticks = page_of(View(PARADOX, u=0.02)), Queue()
+    settled(page)
     page.document.add_next_tick_callback = ticks.put
-    monkeypatch.setattr(answers, "READY", ready := set())
+    monkeypatch.setattr(answers, "READY", ready := {answers.kind_of(PARADOX)})
     monkeypatch.setattr(answers, "make_ready", lambda view: ready.add(answers.kind_of(view.drive)))
-    page.ask("friction_slope", "-0.05")
+    page.ask("parts", "threads")
     page._answer()
-    assert (page.view.drive.friction_slope, "compiled" in page._alert.text) == (0, True)
+    assert ("compiled" in page._alert.text, page._said.styles["visibility"]) == (True, "hidden")
+    assert all(np.size(page.plots.sources[name].data["x"]) == 0 for name in ("map", "lines", "near", "history", "bar"))
+    page.ask(key, text)
     ticks.get(timeout=5)()
-    assert (page.view.drive.friction_slope, page._alert.text) == (-0.05, "")
+    assert (page.view.drive.parts, page.view.drive.mass) == (parts, mass)
+    assert (said in page._alert.text, bool(page._alert.text)) == (True, bool(said))
+    assert len(page.plots.sources["history"].data["x"]) > 1
 
 
 def test_parts_are_put_in_and_taken_out():

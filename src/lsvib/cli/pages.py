@@ -144,7 +144,7 @@ def view_of(file: Path) -> Any:
 
     values = read_yaml(file)
     if "modes" in values:
-        raise InputError(f"{file} is a system, no scene or data sheet; lsvib simulate --system --figure draws it.")
+        raise InputError(f"{file} is a system, not a scene or a data sheet; lsvib simulate --system --figure draws it.")
     if "drive" not in values:
         with _installed("explore with a sheet", "assess"):
             from lsvib.sheets import assessment, sheet

@@ -44,7 +44,7 @@ class Controls:
     def __init__(self, view: View, asked: Asked) -> None:
         self._asked, self._silent = asked, False
         self.parts = CheckboxGroup(labels=list(IN_WORDS.values()), width=300, name="parts")
-        self.over = Select(title="Parameter of the amplitude curve", width=190)
+        self.over = Select(title="Curve over", width=190)
         self.texts = {key: TextInput(title=title, width=90) for key, title in _TEXTS.items()}
         self.fit = Button(label="Fit the window", width=110, align="end")
         self.sliders: dict[str, Slider] = {}
@@ -88,6 +88,7 @@ class Controls:
             about = described(key)
             name = f"{about['long_name']} {about['symbol']} {style.unit(about['unit'])}".rstrip()
             self.fields[key] = TextInput(title=name, width=150, description=allowed_range(Drive, key), name=key)
+            self.fields[key].stylesheets = ["label {width: 310px; white-space: normal}"]  # above the slider, too
             slider = Slider(start=0, end=1, value=0, step=1, width=150, show_value=False, align="end", tags=[name])
             self.sliders[key] = slider
             self.fields[key].on_change("value", self._ask(key))

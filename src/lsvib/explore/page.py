@@ -3,6 +3,7 @@
 from asyncio import CancelledError, get_running_loop
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from html import escape
@@ -13,7 +14,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from bokeh.document import Document, without_document_lock
-from bokeh.events import DocumentReady, RangesUpdate, Tap
+from bokeh.events import ClientReconnected, ConnectionLost, DocumentReady, RangesUpdate, Tap
 from bokeh.layouts import column, row
 from bokeh.models import CustomJS, Div, Row
 
@@ -42,9 +43,12 @@ A motor turns a screw through a spring, the screw pushes a mass, and its threads
 click in the phase plane to push the screw: colours show where the motion from there ends.
 """
 _TEMPLATE = """{% block preamble %}<meta name="viewport" content="width=device-width, initial-scale=1">
-<link rel="icon" href="data:,">{% endblock %}
+<link rel="icon" href="data:,"><style>[inert] {opacity: .3}</style>{% endblock %}
 {% block contents %}<main>{{ super() }}</main>{% endblock %}"""
 _COMPILING = "The engine for such a drive is being loaded, or compiled at its first use, which takes a minute."
+_ALWAYS_SEEN = {  # above the sliders, too, on a telephone
+    "color": "#B00020", "background": "white", "position": "fixed", "inset": "0 0 auto", "z-index": "9", "margin": "0"
+}  # fmt: skip
 _NARROW = {"sizing_mode": "scale_width", "max_width": 640, "min_width": 320}  # as narrow as a telephone
 
 THREAD = ThreadPoolExecutor(1)
@@ -62,7 +66,8 @@ class Page:
         self._answered = 0.0  # time of the last answer [s]
         self._settling: Any = None
         self._shares: dict[Attractor, float] = {}
-        self._alert = Div(name="alert", html_attributes={"role": "alert"}, styles={"color": "#B00020"})
+        self._emptied = False  # nothing is shown while the engine for another drive is compiled
+        self._alert = Div(name="alert", html_attributes={"role": "alert"}, styles=_ALWAYS_SEEN)
         self._words = Div(
             name="words", sizing_mode="stretch_width", html_attributes={"role": "status", "aria-live": "polite"}
         )
@@ -75,6 +80,9 @@ class Page:
         self.plots.plane.on_event(RangesUpdate, lambda event: self.look_at(event.x0, event.x1, event.y0, event.y1))
         self._lay_out()
         document.js_on_event(DocumentReady, self.plots.clip, self.controls.names)
+        # Without the server the sliders would move and the answer stay; a server that is back knows the address alone.
+        document.js_on_event(ConnectionLost, CustomJS(code="document.querySelector('main').inert = true"))
+        document.js_on_event(ClientReconnected, CustomJS(code="location.reload()"))
         # Nothing is computed for a request, which any page can make a browser send, but for a page that is open.
         document.on_event(DocumentReady, lambda event: self._answer())
 
@@ -96,9 +104,11 @@ class Page:
     def _answer(self) -> None:
         asked, self._asked = self._asked, {}
         try:
-            view = self._with_parts(asked["parts"].split()) if "parts" in asked else self._changed(asked)
+            view = self._changed(asked)
             if answers.kind_of(view.drive) not in answers.READY:  # it is compiled beside the pages, which answer others
                 self._asked, self._alert.text = asked, _COMPILING
+                self._take_away(*self.plots.sources)
+                self.view, self._emptied = replace(self.view), True  # an answer to the one before is late
                 made = THREAD.submit(answers.make_ready, view)
                 made.add_done_callback(lambda done: self.document.add_next_tick_callback(self._answer))
                 return
@@ -109,16 +119,20 @@ class Page:
         except LsvibError as error:
             self._alert.text = escape(str(error))
             self.controls.show(self.view)
+            if self._emptied:
+                with suppress(LsvibError):  # of the first view of a page
+                    self._redraw(self.view)
         self._answered = perf_counter()
 
     def _changed(self, asked: Mapping[str, str]) -> View:
+        before = self._with_parts(asked["parts"].split()) if "parts" in asked else self.view
         parameters, changes = dict[str, Any](), dict[str, Any]()
         for key, text in asked.items():
             name = key.removeprefix("slider:")
             if name in self.controls.fields:
                 parameters[name] = text
             elif key == "over":
-                changes |= {"over": text, **around(self.view.drive, text)}
+                changes |= {"over": text, **around(before.drive, text)}
             elif key == "window":
                 changes["window"] = Window(*(numbers.start("window", edge) for edge in text.split()))
             elif key == "start":
@@ -126,11 +140,11 @@ class Page:
                 changes |= {"u": u, "w": w, "more": {}}  # what it has more is as in steady sliding
             elif key == "fit":
                 changes["window"] = None
-            else:
+            elif key != "parts":
                 changes[key] = numbers.start(key, text)
             if key.startswith("slider:"):
                 self.controls.say_value(name, numbers.start(name, text))
-        return replace(self.view, drive=self.view.drive.replace(**parameters), **changes)
+        return replace(before, drive=before.drive.replace(**parameters), **changes)
 
     def _with_parts(self, parts: list[str]) -> View:
         """The same drive with other parts, those that are new as in the chapter."""
@@ -156,18 +170,22 @@ class Page:
             found = answers.labels(view.drive, window, answers.DRAGGED)
         elif (view.drive, view.window) != (self.view.drive, self.view.window):
             found = np.full(answers.cells_of(view.drive)[::-1], -2)
-        self.view, self.shown, self._shares = view, shown, {}
-        if self._settling is None:  # what is said of the view before goes before anything of this one comes
-            self._said.styles = {"visibility": "hidden"}
-            for source in ("near", "curve", "marks", "bar"):
-                self.plots.fill(source)
+        self.view, self.shown, self._shares, self._emptied = view, shown, {}, False
+        self._take_away("near", "curve", "marks", "bar")  # before anything of this view comes
         if found is not None:
             self.plots.draw_map(found, window)
         self.plots.draw_motion(view.drive, shown, window)
         self.plots.draw_friction(*answers.friction_visited(view.drive, shown))
+        self._settling = self.document.add_timeout_callback(self._settle, 500)  # ms: the hand rests
+
+    def _take_away(self, *sources: str) -> None:
+        """Take away what is said of the view before, and what sources show of it."""
         if self._settling is not None:
             self.document.remove_timeout_callback(self._settling)
-        self._settling = self.document.add_timeout_callback(self._settle, 500)  # ms: the hand rests
+        self._settling, self._said.styles = None, {"visibility": "hidden"}
+        for source in sources:
+            if len(self.plots.sources[source].data["x"]):
+                self.plots.fill(source)
 
     def _settle(self) -> None:
         """The hand rests: say in words and links what is shown, and begin what takes longer."""
@@ -184,7 +202,8 @@ class Page:
     async def _find_out(self) -> None:
         """Find the fine map, the thresholds and the amplitude curve piece by piece, and draw each as it is known."""
         view, window, until = self.view, self.view.window, perf_counter() + 30.0
-        assert window is not None
+        if window is None or self._emptied:
+            return
 
         def draw(show: Callable[..., None], *of: Any) -> None:
             self.document.add_next_tick_callback(lambda: show(*of) if view is self.view else None)
@@ -225,15 +244,15 @@ class Page:
 
     def _say_words(self, curves: Sequence[xr.Dataset] = ()) -> None:
         view, shown, steady = self.view, self.shown, self.shown.steady
-        words = [f"The motion of {view.duration:g} s has {shown.events} events."]
+        words = [f"The motion of {view.duration:g} s has {shown.events} event{'s' * (shown.events != 1)}."]
         if steady is None:
             words.append("Where it ends is unresolved.")
         elif steady.orbit is None:
             words.append(f"It ends on {plain(steady.label)}.")
         else:
+            cycle = f"a {plain(steady.label)}".replace("a other", "another")
             words.append(
-                f"It ends on a {plain(steady.label)} of amplitude {steady.amplitude:.4g} rad and period "
-                f"{steady.period:.4g} s."
+                f"It ends on {cycle} of amplitude {steady.amplitude:.4g} rad and period {steady.period:.4g} s."
             )
         try:
             stability = view.drive.stability()

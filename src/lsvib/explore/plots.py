@@ -95,7 +95,8 @@ class Plots:
         for label, colour, dash, width in zip(*looks, strict=True):
             # A line of which nothing is seen stands in the legend for each line, which may lie outside the window.
             made.line([math.nan], [math.nan], legend_label=label, color=colour, line_dash=dash, line_width=width)
-        made.legend.update(location="top_right", background_fill_alpha=0.6)
+        made.legend.update(location="top_right", background_fill_alpha=0.6, padding=4, spacing=0)
+        made.legend.label_text_font_size = "11px"
         made.axis.formatter = BasicTickFormatter(power_limit_low=-4)  # 0.003, not 3.000e-3
         return made
 
@@ -118,7 +119,7 @@ class Plots:
         return made
 
     def _force(self) -> figure:
-        made = _figure("force", "Normal force of the threads (without impulses)", 470, 210, (0, 1), (-1, 1))
+        made = _figure("force", "Normal force, without impulses", 470, 210, (0, 1), (-1, 1))
         made.xaxis.axis_label, made.yaxis.axis_label = "time [s]", "N [N]"
         made.hspan(y=[0.0], color=style.VERMILION, line_dash=[5, 3])
         made.line("x", "y", source=self.sources["history"], color=style.BLUE, **_ABOVE)
