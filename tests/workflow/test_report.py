@@ -44,7 +44,10 @@ def test_the_first_page_has_the_printed_thresholds_and_a_guide(page):
     row = page.get_by_role("row", name="Critical mass")
     assert [cell.strip() for cell in row.inner_text().split("\t")][1:] == ["10.1 kg", "10.107 kg", "0.069 %", "fig8_08"]
     page.locator("p").get_by_role("link", name="Checks", exact=True).click()
-    page.get_by_text("every check").wait_for()
+    page.get_by_role("row", name="every check").locator("a,button").first.click()
+    checks = page.frame_locator("iframe")
+    checks.get_by_role("cell", name="Critical mass, root of Γ₊(m) = 0").wait_for()
+    assert checks.locator("html").get_attribute("lang") == "en"
     page.reload()
 
 

@@ -46,9 +46,8 @@ _TEMPLATE = """{% block preamble %}<meta name="viewport" content="width=device-w
 <link rel="icon" href="data:,"><style>[inert] {opacity: .3}</style>{% endblock %}
 {% block contents %}<main>{{ super() }}</main>{% endblock %}"""
 _COMPILING = "The engine for such a drive is being loaded, or compiled at its first use, which takes a minute."
-_ALWAYS_SEEN = {  # above the sliders, too, on a telephone
-    "color": "#B00020", "background": "white", "position": "fixed", "inset": "0 0 auto", "z-index": "9", "margin": "0"
-}  # fmt: skip
+# Seen on a telephone beside the sliders, too.
+_ALERT = {"color": "#B00020", "background": "white", "position": "fixed", "inset": "0 0 auto", "z-index": "9"}
 _NARROW = {"sizing_mode": "scale_width", "max_width": 640, "min_width": 320}  # as narrow as a telephone
 
 THREAD = ThreadPoolExecutor(1)
@@ -67,7 +66,7 @@ class Page:
         self._settling: Any = None
         self._shares: dict[Attractor, float] = {}
         self._emptied = False  # nothing is shown while the engine for another drive is compiled
-        self._alert = Div(name="alert", html_attributes={"role": "alert"}, styles=_ALWAYS_SEEN)
+        self._alert = Div(name="alert", html_attributes={"role": "alert"}, styles=_ALERT)
         self._words = Div(
             name="words", sizing_mode="stretch_width", html_attributes={"role": "status", "aria-live": "polite"}
         )
@@ -250,10 +249,8 @@ class Page:
         elif steady.orbit is None:
             words.append(f"It ends on {plain(steady.label)}.")
         else:
-            cycle = f"a {plain(steady.label)}".replace("a other", "another")
-            words.append(
-                f"It ends on {cycle} of amplitude {steady.amplitude:.4g} rad and period {steady.period:.4g} s."
-            )
+            end = f"a {plain(steady.label)}".replace("a other", "another")
+            words.append(f"It ends on {end} of amplitude {steady.amplitude:.4g} rad and period {steady.period:.4g} s.")
         try:
             stability = view.drive.stability()
             words.append(f"Steady sliding is {'stable' if stability.stable else 'unstable'} ({plain(stability.kind)}).")
