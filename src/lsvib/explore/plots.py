@@ -19,6 +19,7 @@ from bokeh.models import (
     LogScale,
     LogTicker,
     LogTickFormatter,
+    NoOverlap,
 )
 from bokeh.plotting import figure
 
@@ -95,9 +96,9 @@ class Plots:
         for label, colour, dash, width in zip(*looks, strict=True):
             # A line of which nothing is seen stands in the legend for each line, which may lie outside the window.
             made.line([math.nan], [math.nan], legend_label=label, color=colour, line_dash=dash, line_width=width)
-        made.legend.update(location="top_right", background_fill_alpha=0.6, padding=4, spacing=0)
-        made.legend.label_text_font_size = "11px"
+        made.legend.update(location="top_right", background_fill_alpha=0.6, padding=4, label_text_font_size="11px")
         made.axis.formatter = BasicTickFormatter(power_limit_low=-4)  # 0.003, not 3.000e-3
+        made.xaxis.major_label_policy = NoOverlap()
         return made
 
     def _curve(self) -> figure:
