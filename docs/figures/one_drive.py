@@ -27,7 +27,9 @@ def draw(found: xr.Dataset) -> Figure:
     # In grey the two colours are equal.
     plane.contour(found.u, found.w, found.label, [found.label.min() + 0.5], colors=style.BLACK, linewidths=0.8)
     motion = DRIVE.simulate(START, 0.02, samples=4001)
-    plane.plot(motion.u, motion.w, color=style.BLUE, label="a motion", linewidth=1)
+    path = [START["u"], *motion.u], [START["w"], *motion.w]  # it seizes at once
+    plane.plot(*path, color=style.BLUE, label="a motion", linewidth=1)
+    plane.plot(*START.values(), "o", color=style.BLUE, markersize=3)
     drawing.draw_cycle(plane, found.isel(cycle=0), name="its limit cycle")
     plane.plot(0, 0, "+", color=style.BLACK)
     plane.axis((*GRID["u"][:2], *GRID["w"][:2]))
