@@ -194,7 +194,7 @@ def test_nobody_waits_for_ever_to_add_to_the_cache(small, other, monkeypatch, ca
         assert (kernel(1.0), kernel(1)) == (1.0, 1)
     assert not file._load_index()
     (told,) = (record.getMessage() for record in caplog.records)
-    assert told.startswith("What is compiled is not kept for the next start: ")
+    assert told.startswith("The compiled engine is not kept for the next start: ")
     ended = partial(jit.event.Event, status=jit.event.EventStatus.END, data={"dispatcher": None})
     compiled, given_back = ended("numba:compile"), ended("numba:compiler_lock")
     for event in (compiled, compiled, given_back, given_back):
@@ -214,13 +214,13 @@ def test_compiling_is_said_once_for_each_part(caplog):
         for kind in ("planar", "modal"):
             kernel(bouncing(kind).tables)
     told = [record.getMessage() for record in caplog.records]
-    assert [words for words in told if "two states, once, about 10 s" in words] == told[:1]
-    assert [words for words in told if "more than two states, once, about 30 s" in words] == told[1:]
+    assert [words for words in told if "with two states (first use only, about 10 s)" in words] == told[:1]
+    assert [words for words in told if "more than two states (first use only, about 30 s)" in words] == told[1:]
     assert len(told) == 2
     say = jit.sentence
-    assert "mapper of two states" in say("lsvib.systems.kernels.next_section", "Tables(array(float64, 2d, C))")
+    assert "map of attractors" in say("lsvib.systems.kernels.next_section", "Tables(array(float64, 2d, C))")
     told = say("lsvib.dynamics.kernels.sweep", "Tables(AnyFlow(array(float64, 2d, C)))")
-    assert "the rule of what motions end in" in told
+    assert "the search for attractors" in told
     assert say("lsvib.systems.kernels.flow_planar", "array(float64, 1d, C)") is None
     assert say("somebody.else", "Tables") is None
 
@@ -292,8 +292,8 @@ def results(program, **environment):
 def test_same_motion_by_a_numba_that_lacks_what_it_does_not_promise(tmp_path):
     found, said = results(MOVED + PROGRAM, NUMBA_CACHE_DIR=str(tmp_path))
     assert found == results(PROGRAM + CYCLE)[0][:-1]
-    for what in ("option _nrt and no_cfunc_wrapper", "address of what it has compiled"):
-        assert f"has no {what}, so the first start takes longer" in said
+    for what in ("_nrt and no_cfunc_wrapper", "the address of compiled code"):
+        assert f"lacks {what}: the first start takes longer" in said
 
 
 @pytest.mark.slow

@@ -39,11 +39,11 @@ from lsvib.systems.kernels.layout import Modal, ModalFlow, Planar, Taylor, Taylo
 # processor time that was measured. Kernels that fit nothing are small and are compiled for one of the others.
 _RULE = ("attractor", "machine", "poincare_map", "saltation", "saltation_taylor", "single_mode", "sweep")
 _PARTS = (
-    (_RULE, "Flow", "the rule of what motions end in, once, about 25 s"),
-    ("", "TaylorFlow", "the engine for friction that depends on speed, once, about 15 s"),
-    ("", "ModalFlow", "the engine for more than two states, once, about 30 s"),
-    ("next_section", "", "the mapper of two states, once, 6 to 15 s"),
-    ("", "Tables", "the engine for two states, once, about 10 s"),
+    (_RULE, "Flow", "the search for attractors (first use only, about 25 s)"),
+    ("", "TaylorFlow", "the engine for friction that depends on speed (first use only, about 15 s)"),
+    ("", "ModalFlow", "the engine for systems with more than two states (first use only, about 30 s)"),
+    ("next_section", "", "the map of attractors for systems with two states (first use only, 6 to 15 s)"),
+    ("", "Tables", "the engine for systems with two states (first use only, about 10 s)"),
 )
 
 
@@ -98,7 +98,7 @@ class OneWriter(event.Listener):
                 self.mine.lock.acquire()
             except OSError as error:  # the process that adds has been stopped, say, or is another user's
                 if self.patience:
-                    logging.getLogger("lsvib").warning("What is compiled is not kept for the next start: %s", error)
+                    logging.getLogger("lsvib").warning("The compiled engine is not kept for the next start: %s", error)
                 self.patience = 0.0
                 event.data["dispatcher"]._cache.disable()
 
@@ -124,8 +124,8 @@ def cache_folder() -> Path | None:
 _folder, notice, writer = cache_folder(), Notice(), OneWriter()
 if _folder is None:
     warnings.warn(
-        "The folder for the compiled engine cannot be written, so it is compiled in memory, in every process anew, "
-        "which takes some ten seconds; set NUMBA_CACHE_DIR to a folder that can be written.",
+        "The folder for the compiled engine is not writable, so every process compiles it anew, which takes tens of "
+        "seconds; set NUMBA_CACHE_DIR to a writable folder.",
         RuntimeWarning,
         stacklevel=2,
     )
@@ -147,8 +147,7 @@ _options: dict[Callable, dict[str, Any]] = {}  # of each kernel
 def _missed(what: str) -> None:
     """Warn that numba has no longer what lsvib takes from it beyond what it promises."""
     warnings.warn(
-        f"numba {numba.__version__} has no {what}, so the first start takes longer and motions may; all results are "
-        "the same.",
+        f"numba {numba.__version__} lacks {what}: the first start takes longer, and motions may; results are the same.",
         RuntimeWarning,
         stacklevel=3,
     )
@@ -159,7 +158,7 @@ _UNPROMISED = ("_nrt", "no_cfunc_wrapper", "no_cpython_wrapper")
 _known = getattr(getattr(numba.njit(_missed), "targetdescr", None), "options", None)
 _lacking = [name for name in _UNPROMISED if not hasattr(_known, name)]
 if _lacking and not numba.config.DISABLE_JIT:
-    _missed(f"option {' and '.join(_lacking)}")
+    _missed(" and ".join(_lacking))
 
 
 def _allowed(options: dict[str, Any], **more: bool | str) -> dict[str, Any]:
@@ -305,7 +304,7 @@ def _pointer(entry: Any, own: tuple) -> int:
     with suppress(AttributeError):
         compiled = entry.overloads[own]
         return int(compiled.library.get_pointer_to_function(compiled.fndesc.llvm_cfunc_wrapper_name))
-    _missed("address of what it has compiled")
+    _missed("the address of compiled code")
     signature = next(known for known in entry.nopython_signatures if known.args == own)
     _kept.append(numba.cfunc(signature, **_options[entry.py_func] | {"cache": False})(entry.py_func))
     return int(_kept[-1].address)
