@@ -70,12 +70,12 @@ def test_how_far_a_law_is_off_its_curve_is_said(coefficients, poor):
     given = sheet(friction=friction, operation={"speed": "4 rad/s"})
     share, v = max((abs(rubs(given.friction, v) / mu - 1), v) for v, mu in pairs)
     text = said("curve", of_curve(Draw.of(given)))
-    assert f"off by {percent(share)} at most, at {v:g} mm/s" in text
-    assert ("may not be those of the curve" in text) == poor
+    assert f"deviates by at most {percent(share)}, at {v:g} mm/s" in text
+    assert ("may not hold for the curve" in text) == poor
     assert "The threads slide at" not in text
     given = sheet(friction=friction, operation={"speed": ["4 rad/s", "40 rad/s"]})
     text = said("curve", of_curve(Draw.of(given)))
-    assert "slide at 20.8 mm/s to 208 mm/s, where the curve has only 5 mm/s to 200 mm/s" in text
+    assert "slide at 20.8 mm/s to 208 mm/s, but the curve has only 5 mm/s to 200 mm/s" in text
 
 
 def test_the_share_of_self_locking_threads_is_that_of_friction_above_the_tangent():

@@ -250,7 +250,7 @@ def test_statics_of_a_sheet_with_preload():
 def test_its_motion_is_refused_in_a_sentence(tmp_path):
     drive = {"screw": {"inertia": "2e-6 kg*m^2"}, "coupling": {"stiffness": "1 N*m/rad"}}
     sheet = Sheet.of(SHEET | drive | {"load": {"mass": "0.3 kg", "force": "2 N"}})
-    with pytest.raises(InputError, match="the motion of a preloaded nut, both halves of which rub, is not followed"):
+    with pytest.raises(InputError, match="the motion of a preloaded nut, both halves of which rub, cannot be computed"):
         assess(sheet)
     path = tmp_path / "sheet.yaml"
     path.write_text(str(SHEET | drive | {"load": {"mass": "0.3 kg", "force": "2 N"}}))

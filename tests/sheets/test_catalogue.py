@@ -40,7 +40,7 @@ def test_what_can_be_bought_ends_the_vibration_unless_it_is_fixed():
     found = assess(Sheet.of(DAMPED | {"fixed": ["thread.lead_angle", "friction", "damping.rotational"]}), samples=64)
     free = {row.quantity for row in found.changes} | {step.kind for one in found.purchases for step in one.steps}
     assert not free & {"lead", "pitch_diameter", "friction_coefficient", "support_damping", "thread", "nut", "damper"}
-    with pytest.raises(InputError, match=r"^fixed names 'thread.colour', which is no entry of the sheet\.$"):
+    with pytest.raises(InputError, match=r"^fixed names 'thread.colour', which is not an entry of the sheet\.$"):
         Sheet.of(DAMPED | {"fixed": ["thread.colour"]})
 
 

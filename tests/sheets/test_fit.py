@@ -230,7 +230,7 @@ def test_what_was_left_out_is_said(tmp_path):
     assert len(found.points) == 4 * SPEEDS.size - 1
     assert found.left_out == [
         "load300/03.csv: rows of a screw at rest (30)",
-        "load300/04.csv: rows that are not numbers, or of another width (2)",
+        "load300/04.csv: rows without numbers, or with more or fewer columns (2)",
     ]
 
 

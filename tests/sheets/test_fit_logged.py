@@ -77,7 +77,7 @@ def test_a_torque_of_the_other_sign_is_told_from_friction(tmp_path, run):
 def test_a_sweep_one_way_says_that_acceleration_counts_as_friction(tmp_path, run):
     path = logged(tmp_path, "percent", 0)
     (tmp_path / "trace.csv").write_text("\n".join((tmp_path / "trace.csv").read_text().splitlines()[:503]))
-    assert "and what accelerates, at up to 2" in run("fit", str(path))[1]
+    assert "and torque for acceleration, of up to 2" in run("fit", str(path))[1]
     path.write_text(path.read_text() + "screw: {inertia: 1.15e-4 kg*m^2}\n")
     main = fit_sheet(path).fit.main
     assert abs(main.values["coulomb"] - LAW["coulomb"]) < 2 * main.errors["coulomb"]

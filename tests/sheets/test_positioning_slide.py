@@ -51,5 +51,5 @@ def test_the_report_says_below_which_speed_the_slide_jerks_and_what_ends_it():
     # The speed is in proportion to what is shed; a change is rounded up to the two digits that are printed.
     assert 0 < (736 + 245 / 1.712) - ends["slide_static_friction"] < 0.01 * (736 + 245)
     assert ends.keys() >= {"speed", "axial_support_damping"}
-    assert "at 10.3 rpm (1.71 mm/s at the load) and above it runs evenly" in brief(found)[0]
+    assert "at 10.3 rpm (1.71 mm/s at the load) and above it runs steadily" in brief(found)[0]
     assert "static friction of the guide 11 % smaller" in brief(found)[-2]

@@ -21,7 +21,8 @@ def test_drive_1_jerks_at_2_rpm_as_others_measured_and_turns_evenly_from_10():
     jerky = [records.pop("2.csv"), records.pop("n2.csv")]
     assert len(records) == 30
     for record in records.values():
-        assert (record.kind, record.said, record.period) == ("even", (f"{record.file}: the screw turns evenly.",), None)
+        said = (f"{record.file}: the screw turns steadily.",)
+        assert (record.kind, record.said, record.period) == ("even", said, None)
     for record in jerky:
         assert (record.kind, record.teeth) == ("jerks", 158)
         assert abs(record.period[0] - 0.4026) < 1.96 * math.hypot(record.period[1], 0.0005) < 4e-3
@@ -32,10 +33,10 @@ def test_drive_1_jerks_at_2_rpm_as_others_measured_and_turns_evenly_from_10():
     assert jerky[0].breakaway[0] == pytest.approx(37 * PERCENT, rel=0.02)
     assert 19 * PERCENT < jerky[0].after[0] < 22 * PERCENT
     first, second = jerky[1].said
-    assert first == "n2.csv: the screw jerks 2.49 times a second, so its mean torque is no point of the friction law."
-    assert (
-        "by the slip and by averaging, which cannot be told apart; the errors of the torques allow for both." in second
-    )
+    said = "n2.csv: the screw jerks 2.49 times a second, so its mean torque is not a point of the friction law."
+    assert first == said
+    said = "through slip and through averaging, which cannot be separated; the errors of the torques allow for both."
+    assert said in second
 
 
 def stick_slip(random, speed, stiffness, rate, damping, static, kinetic, jitter, duration):
@@ -114,7 +115,7 @@ def others(seed):
     wave, (jump, teeth), (also, more) = 2 * np.pi * phase, jerks(phase), jerks(1.43 * phase)
     half = np.maximum(1 + 1.2 * np.sin(wave), 0)
     stops, only = (
-        "the recorded speed is often far below its mean, as of jerks, but ",
+        "the recorded speed is often far below its mean, as in jerks, but ",
         "at rest; only where the screw turns can it be steady motion.",
     )
     return {
@@ -124,15 +125,15 @@ def others(seed):
         "start": ("start", f"the record begins {only}", np.where(AT < 80, 0, even), np.where(AT < 80, AT / 80, even)),
         "stop": ("stop", f"the record ends {only}", np.where(AT > 300, 0, even), np.where(AT > 300, 0.2, even)),
         "both": ("start", f"the record begins and ends {only}", np.where(abs(AT - 200) > 150, 0, even), even),
-        "spikes": ("even", "the screw turns evenly.", even, 1 + 2 * (jump > 0)),
+        "spikes": ("even", "the screw turns steadily.", even, 1 + 2 * (jump > 0)),
         "turn": ("even", "the screw", even, 1 + 0.3 * np.sin(0.03 * AT) + 0.1 * np.sin(0.06 * AT)),
         "line": ("even", "the screw", 1 + 0.2 * np.sin(wave), 1 + 0.2 * np.cos(wave)),
-        "sawtooth": ("jerks", "the torque climbs slowly and falls fast as of jerks, while", even, teeth),
+        "sawtooth": ("jerks", "the torque climbs slowly and falls fast as in jerks, but", even, teeth),
         "smooth": ("jerks", f"{stops}its torque does not climb slowly and fall fast;", half, 1 + 0.2 * np.cos(wave)),
         "reverse": ("jerks", f"{stops}its torque climbs fast and falls slowly, as fewer than two", *jerks(phase, -0.4)),
         "rare": ("jerks", f"{stops}it is sampled less than 2.3 times a jerk;", *jerks(AT / 2.15)),
-        "none": ("jerks", f"{stops}at no one frequency that stands out;", jump, 0 * even),
-        "alike": ("jerks", f"{stops}at no one frequency that stands out;", jump + also, teeth + more),
+        "none": ("jerks", f"{stops}at no single frequency that stands out;", jump, 0 * even),
+        "alike": ("jerks", f"{stops}at no single frequency that stands out;", jump + also, teeth + more),
         "two": ("jerks", f"{stops}at two frequencies;", jump, teeth + 0.45 * more),
         "late": ("jerks", f"{stops}not while its torque climbs;", 2.0 * (abs(phase % 1 - 0.6) < 0.24), teeth),
         "few": ("jerks", f"{stops}only 7 times;", *jerks(0.055 * AT[:130])),
@@ -158,7 +159,7 @@ def test_jerks_need_even_times_and_two_samples_in_a_ramp(monkeypatch):
         (said,) = look(Recording("x", *jerks(0.13 * AT), time=time)).said
         assert "but its samples are not known to be evenly spaced in time; no numbers are given." in said
     monkeypatch.setattr("lsvib.sheets.torque.records.RAMP", (0.5, 0.55))
-    assert "but few of its ramps hold two samples;" in look(Recording("x", *jerks(0.13 * AT)), 1.0).said[0]
+    assert "but few of its ramps have two samples;" in look(Recording("x", *jerks(0.13 * AT)), 1.0).said[0]
 
 
 def test_fewer_than_two_samples_a_jerk_give_no_numbers():
@@ -168,10 +169,10 @@ def test_fewer_than_two_samples_a_jerk_give_no_numbers():
 
 def test_jerks_in_step_with_the_samples_or_seldom_seen_tell_no_stiffness():
     record = look(Recording("x", *jerks(0.125 * AT + 0.01), time=0.1 * AT))
-    assert "x: the mean speed is not sure, as samples keep in step with the jerks: no stiffness" in record.said[1]
+    assert "x: the mean speed is uncertain, as samples keep in step with the jerks, so no stiffness" in record.said[1]
     assert record.stiffness is None
     _, said = look(*known(213)[:3]).said  # of a window that is known, nothing is said of the fall
-    assert "as its standard error is 33%: no stiffness is found." in said
+    assert "as its standard error is 33%, so no stiffness is found." in said
 
 
 def test_single_lost_rows_are_bridged_and_many_are_not():

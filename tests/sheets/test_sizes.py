@@ -85,13 +85,13 @@ def test_both_ends_of_the_uncertainties_and_all_solutions_are_said():
     found = solved({**JACK, "load": {}, "friction": {"coefficient": [0.08, 0.12]}}, "load.force", TORQUE)
     ends = [solved({**JACK, "friction": {"coefficient": mu}}, "load.force", TORQUE).values[0] for mu in (0.12, 0.08)]
     assert (found.worst, found.best) == pytest.approx(ends, rel=1e-8)  # corners are 1e-9 inside
-    assert found.sentence.endswith("lifting_torque is 60 N m (20.42 kN in the worst case, 25.78 kN in the best).")
+    assert found.sentence.endswith("lifting_torque is 60 N m (20.42 kN in the worst case, 25.78 kN in the best case).")
     assert len(solved(JACK, "thread.lead", "lifting_efficiency=0.5").values) == 2  # on both sides of the best one
 
 
 @pytest.mark.parametrize(
     ("entry", "goal", "words"),
-    [("load.forse", TORQUE, "'load.forse' is no quantity of a sheet; these are load.mass, load.force"),
+    [("load.forse", TORQUE, "'load.forse' is not a quantity of the sheet; it could be load.mass, load.force"),
      ("load.force", "lifting_torque=60 N", "lifting_torque = '60 N' is not a torque"),
      ("load.force", "lifting_torque", "The sheet has no limit of lifting_torque; give a value."),
      ("operation.speed", "sliding_speed", "The sheet has no limit of sliding_speed; give a value."),

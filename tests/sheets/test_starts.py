@@ -51,7 +51,7 @@ def test_known_starts_are_within_their_errors(seeds):
 
 PLAIN = {"inertia": 1e-4, "kinetic": 0.03, "static": 0.04, "gain": 1e-4 / 0.03, "lag": 0.1}
 FALLS = {"kinetic": 0.021, "rise": 0.43, "fades": 7.0, "static": 0.03}
-ONLY_UP = "without even turning acceleration is not told from friction."
+ONLY_UP = "without steady turning, acceleration cannot be separated from friction."
 UNSEEN = "the speed does not clearly change in 3 samples in which the screw surely turns."
 CASES = {  # what is told, or why it is not: reason, ramp [rad/s²], motion, commanded motion and rounding of the speed
     "plain": ("", 100, {}, {}),

@@ -54,8 +54,8 @@ REFUSED = {  # a table and its options: words of the sentence
     "load.force\n5 lbz\n|": "refused: load.force = '5 lbz' has the unit 'lbz'",
     "load.force [N]\n|": "All variants in v.csv are refused: it has no rows",
     "|": "Cannot read v.csv: No columns to parse from file.",
-    "load.force [N]\n2,5\n|": "v.csv is not a table: its rows have more cells",
-    "load.force [N]\n5\n|--out folder": "out = folder does not end in .csv",
+    "load.force [N]\n2,5\n|": "v.csv is not a table: a row has more cells",
+    "load.force [N]\n5\n|--out folder": "out = folder must end in .csv",
     "load.force [N]\n5\n|--samples 0": "samples = 0 is outside the allowed range",
 }
 
@@ -66,5 +66,5 @@ def test_what_is_no_table_of_variants_is_refused(run, table):
     Path("v.csv").write_text(text)
     Path("base.yaml").write_text(yaml.safe_dump(BASE))
     assert REFUSED[table] in refused(run, "assess", "v.csv", "--base", "base.yaml", *more.split())
-    assert "--base is for a CSV file" in refused(run, "assess", "base.yaml", "--base", "base.yaml")
+    assert "--base needs a CSV file" in refused(run, "assess", "base.yaml", "--base", "base.yaml")
     assert "this command writes index.html" in refused(run, "assess", "base.yaml", "--out", "t.csv")

@@ -215,10 +215,10 @@ def require_a_drive(window: OperatingWindow) -> None:
         except InputError as error:
             if "friction_coefficient" in str(error):
                 raise InputError(
-                    "friction is so strong that the threads jam whatever the torque, coefficient >= cot(lead "
-                    "angle); lower friction or the lead of the thread."
+                    "the friction coefficient is at least cot(lead angle), so the threads jam at any torque; lower "
+                    "friction or the lead of the thread."
                 ) from None
-            raise InputError(f"The data sheet makes a drive that is out of range: {error}") from None
+            raise InputError(f"The data sheet gives a drive that is out of range: {error}") from None
 
 
 def _ripple(draw: Draw) -> Ripple | None:
@@ -281,7 +281,7 @@ def _motion(window: OperatingWindow, name: str) -> AssessedMotion:
         there = window.most_perturbed[2] or there
     if name == "falling_friction" and window.worst[name].reserve[0] < 0 and not sheet.friction.law:
         reason = "friction that falls with speed makes steady running unstable there; the motion beyond that onset is "
-        beyond = motions.Vibration((), "unknown", reason=reason + "not computed, only the onset.")
+        beyond = motions.Vibration((), "unknown", reason=reason + "not computed.")
         return AssessedMotion(name, there, beyond, (0.0, TOLERATED["unstable"].format(threads="")))
     strong = -motions.STRONG if name == "after_perturbation" else motions.NUDGE
     moved = there.motion(strong)

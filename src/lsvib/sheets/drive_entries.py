@@ -83,11 +83,11 @@ class Motor(Part):
 
     def _misfit(self) -> str | None:
         if "steps_per_turn" in self.model_fields_set and self.holding_torque is None:
-            return "motor.steps_per_turn is that of a stepper, which needs motor.holding_torque."
+            return "motor.steps_per_turn makes the motor a stepper, which needs motor.holding_torque."
         if self.speed_gain is not None and self.integral_gain is None:
             return "motor.speed_gain needs motor.integral_gain, without which the motor falls ever further behind."
         if self.inertia is None and (self.integral_gain or self.bandwidth):
-            return "motor.inertia is missing, which the motor's controller has to move."
+            return "motor.inertia is missing; the controller of the motor needs it."
         return None
 
 
@@ -130,7 +130,7 @@ class Running(Part):
         if self.move is None:
             return None
         if self.speed or self.acceleration:
-            return "operation.move has a speed and ramps of its own; leave out operation.speed and acceleration."
+            return "operation.move has its own speed and ramps; leave out operation.speed and acceleration."
         if self.move.back and self.direction != "both":
             return "operation.move with back travels both ways; leave out back or operation.direction."
         return self.move.problem()
@@ -166,7 +166,7 @@ class Bearing(Part):
 
     def _misfit(self) -> str | None:
         if self.static is not None and self.torque is None:
-            return "bearing.static needs bearing.torque, the torque of the bearing while the screw turns."
+            return "bearing.static needs bearing.torque, the friction torque while the screw turns."
         return _too_little("bearing.torque", self.torque, self.static)
 
 

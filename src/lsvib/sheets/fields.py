@@ -119,13 +119,13 @@ def _converted(figure: float, unit: str, units: tuple[str, ...], value: Any) -> 
                 found.setdefault(f"{size:.9g} {wanted}", (size, wanted, text.replace("**", "^")))
     if len(found) > 1:
         *names, last = (text for _, _, text in found.values())
-        raise NotQuantity(f"= {shown(value)} has a unit of several meanings; write {', '.join(names)} or {last}")
+        raise NotQuantity(f"= {shown(value)} has an ambiguous unit; write {', '.join(names)} or {last}")
     if not known:
         examples = " or ".join(_KINDS[wanted][1] for wanted in units)
         raise NotQuantity(f"= {shown(value)} has the unit {shown(unit)}, which is not known; {examples} would do")
     for size, wanted, text in found.values():
         if wanted == "N" and text in ("kgf", "gf") and len(several) > 1:
-            raise NotQuantity(f"= {shown(value)} is a mass; as a force it is written {figure:g} {text}")
+            raise NotQuantity(f"= {shown(value)} is a mass; as a force write {figure:g} {text}")
         return size, wanted
     raise NotQuantity(f"= {shown(value)} is not {_wanted(units)}")
 
@@ -260,7 +260,7 @@ def _ends(kind: str, figures: list[float], unit: str, check: Callable[[float, st
     """Where a distribution begins and ends; all of its parameters checked."""
     if kind in ("uniform", "triangular"):
         if figures != sorted(figures) or figures[0] == figures[-1]:
-            raise NotQuantity(f"has {' and '.join(_FORMS[kind])} that do not ascend")
+            raise NotQuantity(f"has {' and '.join(_FORMS[kind])} that are not in ascending order")
         for figure in figures:
             check(figure, unit)
         return figures[0], figures[-1]
@@ -376,7 +376,7 @@ def _torque_curve(value: Any) -> tuple[tuple[float, float], ...]:
     """Return pairs of the motor's speed [rad/s], ascending, and its torque there [N m]; raises ``NotQuantity``."""
     pairs = _pairs(value, "speed, torque", "rad/s", "N m")
     if len(pairs) < 2 or pairs[0][0] < 0 or any(after[0] <= before[0] for before, after in pairwise(pairs)):
-        raise NotQuantity("needs two points or more, whose speeds ascend from 0 rpm or above; it ends at the last")
+        raise NotQuantity("needs two points or more, with speeds that ascend from 0 rpm or above")
     if not 0 <= min(torque for _, torque in pairs) <= max(torque for _, torque in pairs) <= 1e9:
         raise NotQuantity("has a torque outside the allowed range 0 N m <= value <= 1e9 N m")
     return pairs
@@ -388,7 +388,7 @@ def friction_curve(value: Any) -> tuple[tuple[float, float], ...]:
     speeds, coefficients = zip(*pairs, strict=True)
     if not 1e-6 <= speeds[0] <= speeds[-1] <= 1e4 or any(after <= before for before, after in pairwise(speeds)):
         raise NotQuantity(
-            "has sliding speeds that do not ascend between 1e-6 m/s and 1e4 m/s; friction at rest is static"
+            "has sliding speeds that do not ascend between 1e-6 m/s and 1e4 m/s; give static friction as static"
         )
     if not 1e-4 <= min(coefficients) <= max(coefficients) <= 3:
         raise NotQuantity("has a coefficient outside the allowed range 1e-4 <= value <= 3")

@@ -40,7 +40,7 @@ def _separator(value: Any) -> str:
     if value == "tab":
         return "\t"
     if not isinstance(value, str) or not re.fullmatch(r"[^\w\".+\-\r\n]", value):
-        raise NotQuantity(f"= {shown(value)} is not one sign that parts cells, such as a comma, a semicolon or a tab")
+        raise NotQuantity(f"= {shown(value)} is not one separator, such as a comma, a semicolon or a tab")
     return value
 
 
@@ -136,13 +136,11 @@ class Measurements(Part):
             if not given and one != "time":
                 return f"{place}.{one} is missing, and so is {place}.{other}."
         if self.separator == self.decimal:
-            return (
-                f"{place}.separator and {place}.decimal are both {shown(self.decimal)}; give the one that parts cells."
-            )
+            return f"{place}.separator and {place}.decimal are both {shown(self.decimal)}; give another separator."
         if self.point == "row" and given:
-            return f"{place}.point: row makes each row a point, and a time of samples the file a record."
+            return f"{place}.point: row makes each row a point, so leave out time and sampling."
         if self.position and not given:
-            return f"{place}.position needs {place}.time or {place}.sampling, by which it tells the speed."
+            return f"{place}.position needs {place}.time or {place}.sampling, from which the speed follows."
         if self.position and (self.position.unit[1] == "counts") != (self.position.counts_per_turn is not None):
             return f"{place}.position needs both or neither of unit: counts and counts_per_turn."
         if self.torque and (self.torque.unit[1] == "%") != (self.torque.rated_torque is not None):
@@ -210,7 +208,7 @@ class MeasuredSheet(Part):
             raise InputError(f"{NO_DIAMETER}.")
         about = {"load", "friction", "nut"} & sheet.model_fields_set or {"load" for b in sheet.measurements if b.load}
         if about and not sheet.thread:
-            raise InputError(f"thread is missing, which {min(about)} acts on.")
+            raise InputError(f"thread is missing; {min(about)} needs it.")
         for path, entry in sheet.spreads().items():
             if entry.uncertain:
                 raise InputError(f"{path} = {entry.text} is more than one value; a fit takes one.")

@@ -291,5 +291,5 @@ def draw(found: xr.Dataset) -> style.Figure:
     torque_panel(torque, found)
     residual_panel(residual, found)
     torque.set_title("(a) torque of the motor, bars: scatter")
-    residual.set_title("(b) measured less fitted, bars: error of means")
+    residual.set_title("(b) measured minus fitted, bars: error of means")
     return figure

@@ -124,9 +124,9 @@ def _measured(
     moving = [(point, load) for load, point in pairs if point.speed]
     if not moving and (jerks or not pairs):
         if len(jerks) == len(tables):
-            raise InputError("the screw jerks in all files, so none is a point of the law: measure more speeds.")
+            raise InputError("the screw jerks in all files, so none gives a point of the law; measure more speeds.")
         why = next(table.record.said for table in tables if table.record and table.record.kind != "jerks")
-        raise InputError(f"no file gives a point of the law; of {why[min(1, len(why) - 1)]}")
+        raise InputError(f"no file gives a point of the friction law; of {why[min(1, len(why) - 1)]}")
     _driven(sheet.measurements[0], moving)
     # A file that begins at rest goes on in the direction in which it breaks away, a row at rest has that of its torque.
     starts = [(table, table.record) for table in tables if table.record and table.record.breakaway and table.speed]
@@ -169,7 +169,7 @@ def _with_rows(table: Table, inertia: Number | None) -> Table:
     said = table.said[: table.timed[0].skipped > 0]  # of rows that are no numbers
     most = max(abs(point.rate) for point in points)
     less = f"less the torque that accelerates {inertia[0]:.4g} kg m²" if inertia else (
-        f"and what accelerates, at up to {most:.3g} rad/s², counts as friction: screw.inertia would take it off"
+        f"and torque for acceleration, of up to {most:.3g} rad/s², counts as friction; screw.inertia removes it"
     )  # fmt: skip
     rows = sum(point.samples for point in points)
     used = f"{points[0].name}: {rows} rows in which the screw turns make {len(points)} points, {less}."
@@ -184,7 +184,7 @@ def _driven(block: Measurements, points: Sequence[tuple[Point, float]]) -> None:
         name, column = ("torque", block.torque) if block.torque else ("current", block.current)
         factor = column.factor if column else 1.0
         raise InputError(
-            "the torque is against the speed at every point, as if friction drove the screw: write factor: "
+            "the torque opposes the speed at every point, as if friction drove the screw: write factor: "
             f"{-factor:g} in measurements.{name}" + (f" in place of {factor:g}." if factor != 1 else ".")
         )
 
@@ -243,11 +243,11 @@ def _tables(sheet: MeasuredSheet, folder: Path, lead: float) -> Iterator[Table]:
             name = f"{place}.load" if block.load else "load"
             raise InputError(
                 f"{name} makes no axial force of at least {LEAST_LOAD:g} N: give its force, or a mass with an "
-                "orientation, or leave out thread and load to have all friction as drag."
+                "orientation, or leave out thread and load to fit all friction as drag."
             )
         motion = block.speed or block.position
         if not sheet.thread and motion and motion.unit[1] in ("m", "m/s"):
-            raise InputError("thread is missing, whose lead converts speed or position of the load to the screw.")
+            raise InputError("thread is missing; its lead converts speed or position of the load to the screw.")
         files = _files(f"{place}.files", block.files, folder)
         for file in files:
             name = file.relative_to(folder).as_posix() if file.is_relative_to(folder) else file.name
@@ -262,7 +262,7 @@ def _table(path: Path, name: str, block: Measurements, under: tuple[float, float
     factors[0] *= math.tau / lead if columns[0].unit[1] in ("m", "m/s") else 1.0  # from the load's to the screw's
     table = read_table(path, [column.column for column in columns], factors, block.separator, block.decimal)
     table, timed = replace(table, name=name), block.time or block.sampling
-    lost = f"{name}: rows that are not numbers, or of another width ({table.skipped})"
+    lost = f"{name}: rows without numbers, or with more or fewer columns ({table.skipped})"
     skipped = [lost] if table.skipped else []
     if block.point == "row" or (block.point is None and alone and not timed):
         if block.point is None:
@@ -303,7 +303,7 @@ def _files(name: str, pattern: str, folder: Path) -> list[Path]:
     try:
         found = sorted(path for path in folder.glob(pattern) if path.is_file())
     except (ValueError, NotImplementedError, IndexError, OSError):
-        raise InputError(f"{name} = {shown(pattern)} is not a pattern of files beside the sheet.") from None
+        raise InputError(f"{name} = {shown(pattern)} is not a pattern of files in the folder of the sheet.") from None
     if not 1 <= len(found) <= MOST_FILES:
         raise InputError(
             f"{name} = {shown(pattern)} names {len(found) or 'no'} files in {folder}; the allowed range is "

@@ -47,7 +47,7 @@ class Solved:
     def sentence(self) -> str:
         """The answer in one sentence."""
         found = ", or ".join(shown(value, self.unit, digits=4) for value in self.values)
-        ends = {"in the worst case": self.worst, "in the best": self.best}
+        ends = {"in the worst case": self.worst, "in the best case": self.best}
         more = ", ".join(
             f"{shown(value, self.unit, digits=4)} {case}" for case, value in ends.items() if value is not None
         )
@@ -79,7 +79,7 @@ def solved(values: Mapping[str, Any], entry: str, goal: str) -> Solved:
     ranges = dict(_ranges(Sheet))
     if entry not in ranges:
         own = [one for one in ranges if one.split(".")[0] == entry.split(".")[0]] or ranges
-        raise InputError(f"{plainly(entry)} is no quantity of a sheet; these are {', '.join(own)}.")
+        raise InputError(f"{plainly(entry)} is not a quantity of the sheet; it could be {', '.join(own)}.")
     name, said = row, _given(values, entry)
     try:
         target = quantity(wanted, ABOUT[row]["unit"].strip("1"))[0] if equals else None

@@ -53,7 +53,7 @@ def course(move: Move, entries: Values, lead: Any) -> Course:
     wrong = (ramp <= 0) | (left < -1e-9 * time) | (apart > SETTLED) | ((share == 1 / 2) & (left > SETTLED * time))
     if np.any(wrong):
         raise InputError(
-            "operation.move is not consistent: distance = speed * (time - acceleration_time), with an "
+            "operation.move is inconsistent: it needs distance = speed * (time - acceleration_time), with an "
             "acceleration_time above zero and below half of the time (half of it for a triangle)."
         )
     return Course(speed, ramp, time, speed / ramp * (2 if move.profile == "s-curve" else 1))
@@ -104,13 +104,13 @@ def ripple(drive: Drive, move: Move | None, ramp: float, looked: float) -> Rippl
         shares = np.concatenate([shares, 1 - shares, -shares[1:]])
     try:
         if len(part) > 2 and {"support", "threads"} & set(drive.parts):  # of as many pieces: seconds
-            raise InputError("an s-curve is not followed with a support or threads that comply.")
+            raise InputError("an s-curve cannot be computed with a compliant support or threads.")
         command = Command(times=tuple(times), speeds=tuple(drive.input_speed * shares))
         definition, automaton = model_of(drive), automaton_of(drive, command=command)
         start = np.append(definition.initial_state(drive, definition.from_rest(drive)), 0.0)  # by the command's clock
         motion = follow(automaton, start, times[-1] + looked, budget=Budget(_WORK))
         if motion.end_time < times[-1] + looked:
-            raise WorkSpentError("the motion takes more computing time than is allowed.")
+            raise WorkSpentError("the motion takes too long to compute.")
         torque = max(map(abs, orbit_extremes(motion, automaton.functional("coupling_torque"))))
     except (InputError, EngineError) as error:
         return Ripple(reason=str(error))

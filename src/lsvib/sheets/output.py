@@ -67,7 +67,7 @@ def assess(
     """
     count = numbers.whole_between("samples", samples, 64, 2**20)  # seconds; a share is in error by less than 1e-3
     if count & (count - 1):
-        raise InputError(f"samples = {count} is not a power of two, as the sequence of samples needs.")
+        raise InputError(f"samples = {count} is not a power of two, such as 1024.")
     start = numbers.whole_between("seed", seed, 0, 2**32 - 1)
     values = sheet if isinstance(sheet, Mapping) else {"name": Path(sheet).stem, **read_yaml(sheet)}
     answer = solved(values, *solve) if solve else None
@@ -111,7 +111,7 @@ def _of_statics(sheet: Sheet) -> dict[str, Any]:
     if sheet.load.mass is None:
         sentence += " No weight is counted."
     if draw.run and "acceleration_torque" not in found.rows:
-        sentence += " No inertia is given, so what ramps take is not counted."
+        sentence += " No inertia is given, so the torque for ramps is not counted."
     more = said("move", draw), said("nut", sheet), said("curve", curve)
     return {
         "name": sheet.name,
@@ -303,7 +303,7 @@ def assess_variants(
     if parted != ",":
         rows = rows.replace(r"^(-?\d+),(\d+)(?![\d,.])", r"\1.\2", regex=True)
     if not isinstance(rows.index, pd.RangeIndex):
-        raise InputError(f"{path} is not a table: its rows have more cells than the first line has headings.")
+        raise InputError(f"{path} is not a table: a row has more cells than the first line has headings.")
     for count, cells in enumerate(rows.to_dict("records"), 1):
         row = {"name": f"row {count}", **{key: cell for key, cell in cells.items() if cell or key != "name"}}
         try:

@@ -76,7 +76,7 @@ def load_chart(motion: AssessedMotion) -> Figure:
     figure = style.new_figure(WIDTH, 2.7)
     axis = figure.subplots()
     axis.plot(motion.vibration.time, motion.vibration.deviation, color=style.VERMILION, linewidth=0.9)
-    axis.set(xlabel="Time", ylabel="Load off its steady path")
+    axis.set(xlabel="Time", ylabel="Deviation of the load")
     axis.xaxis.set_major_formatter(EngFormatter("s"))
     axis.yaxis.set_major_formatter(EngFormatter("m"))
     axis.set_title("How the load moves")
@@ -91,5 +91,5 @@ def sobol_chart(assessment: Assessment, name: str) -> Figure:
     for place, (entry, _) in enumerate(shares):
         axis.text(0.01, place - 0.3, entry_name(entry), fontsize=7, transform=axis.get_yaxis_transform())
     axis.barh(range(len(shares)), [share for _, share in shares], height=0.4, color=style.BLUE)
-    axis.set(xlim=(0, 1.05), xlabel="Share of the spread that it causes", ylim=(len(shares) - 0.6, -0.8), yticks=[])
+    axis.set(xlim=(0, 1.05), xlabel="Share of the spread", ylim=(len(shares) - 0.6, -0.8), yticks=[])
     return figure

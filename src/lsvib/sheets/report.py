@@ -191,4 +191,4 @@ def _short(path: Path) -> dict[str, Any]:
     except OSError as error:
         raise InputError(f"Cannot read {path}: {error.strerror}.") from None
     except (ValueError, KeyError, TypeError, AttributeError):
-        raise InputError(f"{path} is not a readable assessment; run again what makes it.") from None
+        raise InputError(f"{path} is not a readable assessment; make it again.") from None

@@ -60,8 +60,8 @@ class Thread(Part):
             largest = pitch.high if pitch else lead.high / self.starts if lead and counted else None
             if largest is None:
                 return (
-                    "thread.nominal_diameter needs thread.pitch, or thread.starts beside thread.lead, from which the "
-                    "pitch diameter follows; of a ball screw give thread.pitch_diameter."
+                    "thread.nominal_diameter needs thread.pitch, or thread.starts with thread.lead, from which the "
+                    "pitch diameter follows; for a ball screw give thread.pitch_diameter."
                 )
             if not self.nominal_diameter.low > 0.5 * largest:
                 return "thread.nominal_diameter is not above half the pitch, so there is no pitch diameter."
@@ -95,7 +95,7 @@ class Screw(Part):
         if self.length and self.unsupported_length and self.unsupported_length.high > self.length.high:
             return f"screw.unsupported_length = {self.unsupported_length.text} is above screw.length."
         if self.ends is not None and self.density is not None and not (self.modulus and self.yield_strength):
-            return "screw.ends needs screw.modulus and screw.yield_strength beside screw.density, or screw.material."
+            return "screw.ends needs screw.modulus and screw.yield_strength with screw.density, or screw.material."
         if self.ends is not None and self.length is None and self.unsupported_length is None:
             return "screw.ends needs screw.unsupported_length or screw.length, over which the screw can bend."
         return None
@@ -205,7 +205,7 @@ class Friction(Part):
         if self.stribeck_rise is not None and self.stribeck_speed is None:
             return "friction.stribeck_rise needs friction.stribeck_speed, the sliding speed over which it fades."
         if self.stribeck_rise is None and self.model_fields_set & {"stribeck_speed", "stribeck_exponent"}:
-            return "friction.stribeck_speed and friction.stribeck_exponent need friction.stribeck_rise, which fades."
+            return "friction.stribeck_speed and friction.stribeck_exponent need friction.stribeck_rise."
         if self.static is not None:
             slowest = sum(one.high for one in (self.coefficient, self.stribeck_rise) if one is not None)
             if not self.static.low > slowest:
@@ -265,8 +265,9 @@ class Sheet(Part):
         except ValidationError as error:
             own = [one.get("material") if isinstance(one := values.get(p), Mapping) else None for p in ("nut", "screw")]
             sentence, names = sentence_about(cls, error), pairings(*own)
-            if names and sentence == "friction is missing.":
-                sentence = f"friction is missing; for these materials friction.pairing may be {' or '.join(names)}."
+            if sentence == "friction is missing.":
+                more = f"; for these materials friction.pairing may be {' or '.join(names)}" if names else ""
+                sentence = f"friction is missing; give its pairing, coefficient, curve or efficiency{more}."
             raise InputError(sentence) from None
         for _, part in sheet:
             if isinstance(part, Part) and (problem := part.problem()) is not None:
@@ -274,11 +275,11 @@ class Sheet(Part):
         root, size = sheet.screw.root_diameter, sheet.thread.size
         rubs = sheet.friction.coefficient is not None and (sheet.friction.coefficient.high > 0 or sheet.friction.law)
         if sheet.thread.bare and (rubs or sheet.thread.lead_angle is not None):
-            raise InputError(f"{NO_DIAMETER}, or friction.efficiency beside the lead.")
+            raise InputError(f"{NO_DIAMETER}, or friction.efficiency with the lead.")
         if sheet.thread.bare and sheet.screw.length is not None and sheet.screw.diameter is None:
             raise InputError("screw.length needs screw.diameter where the thread has no diameter.")
         if not sheet.runs and (fast := next(filter(sheet.paths().__contains__, _OF_SPEED.split()), None)):
-            raise InputError(f"{fast} needs operation.speed, as what it does depends on the speed.")
+            raise InputError(f"{fast} needs operation.speed, because its effect depends on speed.")
         if sheet.screw.ends is not None and root is None and size is None:
             raise InputError("screw.ends needs screw.root_diameter, or thread.size from which it follows.")
         outer = sheet.thread.pitch_diameter or sheet.thread.nominal_diameter
@@ -292,15 +293,15 @@ class Sheet(Part):
             raise InputError("guide.coefficient needs load.mass, whose weight presses on the guide.")
         if sheet.bearing.collar is not None and (sheet.contact or sheet.support):
             raise InputError(
-                "bearing.collar cannot be assessed beside a compliant support or contact, which changes the force on "
+                "bearing.collar cannot be assessed with a compliant support or contact, which changes the force on "
                 "the collar; leave one of them out."
             )
         for table in ("sources", "assumptions"):
             for path in getattr(sheet, table):
                 if path not in sheet.paths():
-                    raise InputError(f"{table} names {shown(path)}, which the sheet does not give.")
+                    raise InputError(f"{table} names {shown(path)}, which is not in the sheet.")
         if unknown := set(sheet.fixed) - sheet.paths() - _OF_QUANTITIES:
-            raise InputError(f"fixed names {shown(min(unknown))}, which is no entry of the sheet.")
+            raise InputError(f"fixed names {shown(min(unknown))}, which is not an entry of the sheet.")
         return sheet
 
     def is_fixed(self, entry: str) -> bool:
@@ -347,7 +348,7 @@ class Sheet(Part):
         if missing:
             listed = " and ".join([", ".join(missing[:-1]), missing[-1]] if missing[1:] else missing)
             return f"the sheet does not give {listed}"
-        return "the motion of a preloaded nut, both halves of which rub, is not followed" if self.preloaded else ""
+        return "the motion of a preloaded nut, both halves of which rub, cannot be computed" if self.preloaded else ""
 
     @property
     def runs(self) -> bool:

@@ -275,8 +275,8 @@ def _judged(draw: Draw, speed: Floats, held: Floats, load: Floats) -> dict[str, 
     turns = coefficient * np.tan(angle) < 1  # else the threads jam
     if sheet.preloaded and not turns.all():
         raise InputError(
-            "friction is so strong that a preloaded nut jams whatever the torque, coefficient >= cot(lead angle); "
-            "lower friction or the lead of the thread."
+            "the friction coefficient is at least cot(lead angle), so a preloaded nut jams at any torque; lower "
+            "friction or the lead of the thread."
         )
     found: dict[str, Judged] = {}
     at_rest, rest, standing = motor.at_rest(draw)

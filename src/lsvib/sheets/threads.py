@@ -69,7 +69,7 @@ def thread_size(name: object) -> ThreadSize:
                 raise NotQuantity(f"= {shown(name)} {error}") from None
     if match := _BALL.fullmatch(text):
         raise NotQuantity(
-            f"= {shown(name)} is no sliding thread, as Tr would be; a ball screw has thread.lead = {match[2]} mm, "
+            f"= {shown(name)} is a ball screw, not a sliding thread; give thread.lead = {match[2]} mm, "
             f"thread.pitch_diameter = {match[1]} mm or what its maker states, and friction.efficiency or coefficient"
         )
     raise NotQuantity(
@@ -106,13 +106,13 @@ def _trapezoidal(size: str, named: str | None, own: str | None, count: str | Non
         fits = [(p, p) for p in pitches] + [(4 * p, p) for p in pitches[1:2]]
     if len(fits) > 1:
         *names, last = (f"Tr {size}x{one:g}" + (f" P{p:g}" if p < one else "") for one, p in sorted(fits))
-        raise NotQuantity(f"may be several threads; write {', '.join(names)} or {last}: lead, then pitch behind a P")
+        raise NotQuantity(f"may be several threads; write {', '.join(names)} or {last}: lead, then P and the pitch")
     if not fits:
         has = (
             f"Tr {size} has the pitches {', '.join(map(str, pitches))} mm" if pitches else "it goes from Tr 8 to Tr 300"
         )
         like = f"Tr {size}x{lead:g} P{lead if lead <= 0.5 * diameter else lead / 4:g}"
-        raise NotQuantity(f"is not in the catalogue: {has}; any other pitch is written behind a P, such as {like}")
+        raise NotQuantity(f"is not in the catalogue: {has}; write any other pitch after a P, such as {like}")
     ((lead, pitch),) = fits
     _check(diameter, pitch, lead, "mm")
     clearance = 0.15 if pitch < 2 else 0.25 if pitch < 6 else 0.5 if pitch < 14 else 1.0

@@ -62,8 +62,8 @@ def evaluated(sheet: Sheet, shares: Array) -> dict[str, Array]:
     reserves = {name: np.broadcast_to(one.reserve, shares.shape[1:]) for name, one in found.items()}
     if any(np.isnan(reserve).any() for reserve in reserves.values()):
         raise InputError(
-            "friction reaches values at which the threads jam whatever the torque, coefficient >= cot(lead angle); "
-            "narrow friction or the lead of the thread."
+            "the friction coefficient reaches cot(lead angle), where the threads jam at any torque; narrow the "
+            "range of friction or of the lead of the thread."
         )
     return reserves
 

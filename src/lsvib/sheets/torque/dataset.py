@@ -32,7 +32,7 @@ def fit_variables(fit: Fit, points: Sequence[Point]) -> tuple[Variables, Variabl
         "measured_load": variable("point", measured.load, "N", "axial load against outward travel", "$W$"),
         "samples": variable("point", np.array([one.samples for one in points]), "1", "number of samples of a point"),
         "residual": variable(
-            ("end", "point"), [end.residual for end in ends], "N m", "measured torque less fitted torque"
+            ("end", "point"), [end.residual for end in ends], "N m", "measured torque minus fitted torque"
         ),
         "law_torque": variable(("end", "load_case", "direction", "law_speed"), law, "N m", "fitted torque"),
         "half_sum": variable("pair", half[:, 1], "N m", "half-sum of the torques of both directions"),
@@ -53,7 +53,7 @@ def fit_variables(fit: Fit, points: Sequence[Point]) -> tuple[Variables, Variabl
         variables[f"fitted_{name}"] = variable("end", values, unit, f"fitted {words}")
         variables[f"fitted_{name}_error"] = variable("end", errors, unit, f"standard error of the {words}")
     coordinates: Variables = {
-        "end": named_index("end", "end of what the data leave open", list(fit.ends)),
+        "end": named_index("end", "end of the range that the data leave open", list(fit.ends)),
         "load_case": variable("load_case", loads, "N", "axial load of the fitted law", "$W$"),
         "direction": variable("direction", senses, "1", "direction of turning, 1 is outward"),
         "law_speed": variable("law_speed", curve, "rad s-1", "speed of the screw", r"$|\omega|$"),

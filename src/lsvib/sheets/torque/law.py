@@ -136,7 +136,7 @@ def law_of_curve(speeds: Array, coefficients: Array) -> dict[str, float]:
 def _enough(measured: Measured, known: Mapping[str, float]) -> None:
     """Refuse fewer speeds than the law has unknown numbers, and fewer points than there are in all."""
     if (slowest := float(np.abs(measured.speed).min())) < SLOWEST:
-        raise InputError(f"the measurements have a speed of {slowest:.3g} rad/s; the least one is {SLOWEST:g} rad/s.")
+        raise InputError(f"the measurements have a speed of {slowest:.3g} rad/s; at least {SLOWEST:g} rad/s is needed.")
     if (typical := float(np.median(np.abs(measured.torque)))) < WEAKEST:
         raise InputError(
             f"half of the measured torques are not above {typical:.3g} N m, and at least {WEAKEST:g} N m is needed; "
@@ -150,7 +150,7 @@ def _enough(measured: Measured, known: Mapping[str, float]) -> None:
         )
     unknown = [name for name in PARAMETERS if name not in known]
     if not unknown:
-        raise InputError("nothing is left to fit; leave out some of friction, bearing and offset.")
+        raise InputError("nothing is left to fit; give less of friction, bearing and offset.")
     over_speed = {next((a for a, b in PAIRS if name == b), name) for name in unknown} - {"offset"}
     speeds = measured.speeds.size
     if speeds < len(over_speed):

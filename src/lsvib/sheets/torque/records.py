@@ -135,10 +135,10 @@ def look(
         said = f"{name}: the speed swings from {low:.3g} to {high:.3g} rad/s, so this is not steady motion."
         return _moved(recording, "ramp", said, step, averaging, load)
     if not stops and problem:
-        return Record(name, "even", (f"{name}: the screw turns evenly.",))
+        return Record(name, "even", (f"{name}: the screw turns steadily.",))
     if problem or not stops:
-        said = "the torque climbs slowly and falls fast as of jerks, while the recorded speed does not stop"
-        said = f"the recorded speed is often far below its mean, as of jerks, but {problem}" if stops else said
+        said = "the torque climbs slowly and falls fast as in jerks, but the recorded speed does not stop"
+        said = f"the recorded speed is often far below its mean, as in jerks, but {problem}" if stops else said
         return Record(name, "jerks", (f"{name}: {said}; no numbers are given.",))
     return _numbers(name, speed, torque, teeth, step, averaging)
 
@@ -194,13 +194,13 @@ def _told(speed: Array, torque: Array, stops: bool) -> tuple[Teeth, str]:
     quarters = [np.ptp(part) for part in np.array_split(found.phase, 4)]
     problems = {
         f"only {np.ptp(found.phase):.0f} times": 1 < np.ptp(found.phase) < TEETH + 1,
-        "at no one frequency that stands out": found.explained < EXPLAINED,
+        "at no single frequency that stands out": found.explained < EXPLAINED,
         "its torque does not climb slowly and fall fast": likelier < LIKELIER,
         "its torque climbs fast and falls slowly, as fewer than two samples a jerk would show it": found is reverse,
         f"it is sampled less than {LEAST:g} times a jerk": often > 1 / LEAST,
         "not while its torque climbs": stops and speed[ramp].sum() > STANDS * speed.mean() * np.count_nonzero(ramp),
         "at two frequencies": other.max() > OTHER * found.height / math.pi,
-        "few of its ramps hold two samples": math.isnan(_slope(torque, found)[0]),
+        "few of its ramps have two samples": math.isnan(_slope(torque, found)[0]),
         "more and more, or less and less often": np.ptp(quarters) > FASTER * np.mean(quarters),
     }
     return found, next((problem for problem, holds in problems.items() if holds), "")
@@ -316,17 +316,17 @@ def _numbers(name: str, speed: Array, torque: Array, teeth: Teeth, step: float, 
     error = math.hypot(_error(np.diff(slips)), BLUR * period / count)  # of the teeth, and of where they are
     mean_error = _error(np.array([part.mean() for part in np.array_split(speed, BLOCKS)])) / mean
     width, blur = teeth.width[0], math.hypot(teeth.width[1], BLUR)
-    said = [f"the screw jerks {1 / period:.3g} times a second, so its mean torque is no point of the friction law."]
+    said = [f"the screw jerks {1 / period:.3g} times a second, so its mean torque is not a point of the friction law."]
     slope = tuple(value / step for value in _slope(torque, teeth))
     found = {"period": (period, error), "slope": slope}
     beat = abs(1 / teeth.frequency - round(1 / teeth.frequency)) * slips.size
     if mean_error > UNSURE or beat < 1:  # within an interval, samples see the same part of all teeth
         why = "samples keep in step with the jerks" if beat < 1 else f"its standard error is {mean_error:.0%}"
-        said.append(f"the mean speed is not sure, as {why}: no stiffness is found.")
+        said.append(f"the mean speed is uncertain, as {why}, so no stiffness is found.")
     else:
         found["stiffness"] = (slope[0] / mean, slope[0] / mean * math.hypot(slope[1] / slope[0], mean_error))
     if averaging is not None and averaging > (width + 2 * blur) * period:
-        said.append(f"an averaging over {averaging:.3g} s hides a fall of the torque that is seen, and is not used.")
+        said.append(f"averaging over {averaging:.3g} s would hide the fall of torque that is seen, so it is not used.")
         averaging = None
     windows = (0.0, step) if averaging is None else (averaging, averaging)
     longest, shortest = (
@@ -341,8 +341,8 @@ def _numbers(name: str, speed: Array, torque: Array, teeth: Teeth, step: float, 
         found[key] = (middle + side * half * slope[0], np.linalg.norm(parts))
     if averaging is None:
         said.append(
-            f"the torque falls within {(width + BLUR) * period:.2g} s as recorded, by the slip and by averaging, "
-            "which cannot be told apart; the errors of the torques allow for both."
+            f"the torque falls within {(width + BLUR) * period:.2g} s as recorded, through slip and through averaging, "
+            "which cannot be separated; the errors of the torques allow for both."
         )
     numbers = {key: (float(value), float(error)) for key, (value, error) in found.items()}
     return Record(name, "jerks", tuple(f"{name}: {text}" for text in said), **numbers, teeth=count)

@@ -125,7 +125,7 @@ def _inertia(
         base = np.linalg.svd(others, full_matrices=False)[0]
         weight, free, torques = (x - base @ (base.T @ x) for x in (ramp, rate, held))
         if not (size := float(weight @ free)) > APART * float(ramp @ rate):
-            return (0.0, 0.0), "without even turning acceleration is not told from friction"
+            return (0.0, 0.0), "without steady turning, acceleration cannot be separated from friction"
         inertia = float(weight @ torques) / size
         left = torques - inertia * free
         serial, count = _variance(weight, left, base.shape[1] + 1)
@@ -167,7 +167,7 @@ def _breakaway(speed: Array, torque: Array, rests: NDArray[np.bool_], averaging:
     held = sense * torque[: last + 3]
     noise = 1.4826 * float(np.median(np.abs(np.diff(torque)))) / math.sqrt(2)
     if held[last] - np.median(held[: last // 2 + 1]) < CLIMB * noise or held[last] <= max(0.0, held[:last].max()):
-        return (0.0, 0.0), "the torque is not seen to climb at rest up to the start"
+        return (0.0, 0.0), "the torque is not seen to climb at rest before the start"
     sooner, before, climb, after = np.diff(held[last - 2 :]).clip(0.0).tolist()
     ahead = before + max(before - sooner, 0.0)  # as a controller sums up what it lags behind, it climbs ever faster
     window, unknown = (0.5, 1.0) if averaging is None else (averaging, 0.0)

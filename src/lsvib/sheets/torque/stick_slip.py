@@ -84,9 +84,9 @@ def explained(
     given = {"screw.inertia": inertia is not None, "load.mass": all(mass for _, _, mass in records)}
     if inertia is None or not all(given.values()):
         missing = " and ".join(name for name, there in given.items() if not there)
-        return replace(known, doubt=f"they take {missing} too")
+        return replace(known, doubt=f"they need {missing}, too")
     if measured.preload:
-        return replace(known, doubt="the motion of a preloaded nut is not followed")
+        return replace(known, doubt="the motion of a preloaded nut cannot be computed")
     if not solution.static:
         return replace(known, doubt="the torque at which the screw breaks loose is not above that of slow sliding")
     jerks = {at: record.period[0] for at, record in records.items() if record.period is not None}
@@ -135,15 +135,15 @@ def _damped(
 
     low, high = max((least(at, -1.0) for at in even), default=0.0), min(least(at, 1.0) for at in jerks)
     if not 0 < high < math.inf:
-        raise InputError("no damping makes such a drive jerk, and run evenly, where it did; check screw.inertia.")
+        raise InputError("no damping makes such a drive jerk and run steadily where it did; check screw.inertia.")
     if not low < high:
         raise InputError(
-            f"files that were even need a damping of {low:.3g} N m s/rad at least, and those that jerked {high:.3g} at "
-            "most: a spring and a damper do not explain both"
+            f"files with steady running need a damping of at least {low:.3g} N m s/rad, and those with jerks at most "
+            f"{high:.3g}: a spring and a damper do not explain both"
         )
     found = replace(known, damping=(low, high))
     if (damping := found.middle) is None:
-        return replace(found, doubt="no file was surely even, so the damping has no lower bound")
+        return replace(found, doubt="no file surely shows steady running, so the damping has no lower bound")
 
     def fast(at: Place, damping: float) -> float:
         """The speed from which on it runs evenly in the direction of a place."""
@@ -176,7 +176,7 @@ def surely_even_from(drive: Callable[[float], Drive], most: float) -> float:
     def evenly(value: float) -> bool:
         """Whether it runs evenly with this value."""
         if (found := runs_evenly(drive(value))) is None:
-            raise InputError("a motion with such a damping takes too long to follow to its end.")
+            raise InputError("a motion with such a damping takes too long to compute.")
         return found
 
     return even_from(evenly, [1e-4 * most, most], most) or 0.0

@@ -86,8 +86,8 @@ def read_table(
         wanted = max(columns) - 1
         other = next((sign for sign in ";\t, " if all(line.count(sign) >= wanted for line in lines[-3:])), separator)
         raise InputError(
-            f"{path} has {width} column{'s' * (width > 1)} where they are parted by {shown(separator)}, and no column "
-            f"{max(columns)}{f'; they seem to be parted by {shown(other)}' * (other != separator)}."
+            f"{path} has {width} column{'s' * (width > 1)} when separated by {shown(separator)}, but no column "
+            f"{max(columns)}{f'; the separator seems to be {shown(other)}' * (other != separator)}."
         )
     places = [k for k, row in enumerate(rows) if len(row) == width]
     own = [rows[k] for k in places]
@@ -102,7 +102,7 @@ def read_table(
         if not holds:
             last = own[-1][column - 1]
             hint = "; where a comma is the decimal sign, give decimal: ','" if "," in last and decimal == "." else ""
-            hint = next((f"; cells seem to be parted by {shown(sign)}" for sign in ";\t" if sign in last), hint)
+            hint = next((f"; the separator seems to be {shown(sign)}" for sign in ";\t" if sign in last), hint)
             raise InputError(f"{path} has no number in column {column}, whose last cell is {shown(last)}{hint}.")
     kept = np.isfinite(found).all(axis=1)
     if not kept.any():
@@ -112,7 +112,7 @@ def read_table(
         speed, torque, *time = (found[kept] * factors).T
     for values, most, unit in ((speed, FASTEST, "rad/s"), (torque, STRONGEST, "N m")):
         if (size := float(np.abs(values).max())) > most:
-            raise InputError(f"{path} holds {size:.4g} {unit}; the allowed range is up to {most:.4g} {unit}.")
+            raise InputError(f"{path} has {size:.4g} {unit}; the allowed range is up to {most:.4g} {unit}.")
     return Recording(path.name, speed, torque, len(rows) - begin - int(np.count_nonzero(kept)), *time)
 
 
@@ -152,7 +152,7 @@ def steady_point(recording: Recording) -> Point:
     if scatter > 2 * abs(mean) or drifts(speed[begin:]):
         raise InputError(
             f"{recording.name} does not run at one speed, but from {speed.min():.4g} to {speed.max():.4g} rad/s; give "
-            "measurements.time or measurements.sampling, by which changes of speed are taken into account, or, if each "
+            "measurements.time or measurements.sampling, to account for changes of speed, or, if each "
             "row is steady motion of its own, measurements.point: row."
         )
     resting = np.abs(speed[:begin]) < REST * abs(mean)
