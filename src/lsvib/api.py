@@ -116,7 +116,7 @@ class Drive(drive.Drive):
         >>> f"{mass.value:.6f} {mass.unit}"
         '10.106965 kg'
         >>> found["stick"].reason
-        'the effective damping of law + is not negative, so conditions (8.19) hold for no axial force.'
+        'the effective damping of law + is not negative, so no axial force satisfies conditions (8.19).'
         """
         from lsvib.stability.starting import even_speed
         from lsvib.stability.threshold import all_thresholds

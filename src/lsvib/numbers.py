@@ -106,9 +106,9 @@ def start(name: str, value: Any) -> float:
     return result
 
 
-_EXAMPLES = {
+EXAMPLES = {
     "drive": ", such as mass: 11.0",
-    "start": ", such as u: 0.1 and w: 0.0, and is not rest",
+    "start": ", such as u: 0.1 and w: 0.0, or rest",
     "command": ", such as times: [0, 1] and speeds: [0, 40]",
 }
 
@@ -118,7 +118,7 @@ def names_and_values(name: str, given: Any) -> dict[str, Any]:
     if given is None:
         return {}
     if not isinstance(given, Mapping):
-        raise InputError(f"{name} = {shown(given)} does not hold names and values{_EXAMPLES.get(name, '')}.")
+        raise InputError(f"{name} = {shown(given)} is not a set of names and values{EXAMPLES.get(name, '')}.")
     for key in given:
         if not isinstance(key, str):
             raise InputError(f"{shown(key)} is not a known key of {name}: keys are names.")
@@ -140,7 +140,7 @@ def axes(over: Any, check: Callable[[Any], None]) -> dict[str, list[float]]:
         try:
             found[name] = [number(value) for value in given]
         except NotNumber as error:
-            raise InputError(f"over: {name} holds a value that {error}.") from None
+            raise InputError(f"over: {name} has a value that {error}.") from None
     if not found:
-        raise InputError("over names no parameter; give the values of one.")
+        raise InputError("over is empty; give the values of a parameter.")
     return found

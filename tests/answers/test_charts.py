@@ -67,7 +67,7 @@ def expected(drive) -> Behaviour | None:
     if isinstance(detach, str):
         if "every cycle with rest reaches N = 0" in detach:
             return Behaviour.STICK_SLIP_WITH_CONTACT_REVERSAL
-        return Behaviour.STICK_SLIP if "reaches N = 0 under no axial force" in detach else None
+        return Behaviour.STICK_SLIP if "no axial force beyond the onset" in detach else None
     return Behaviour.STICK_SLIP_WITH_CONTACT_REVERSAL if R < way * detach else Behaviour.STICK_SLIP
 
 

@@ -256,5 +256,5 @@ def test_a_cycle_is_followed_from_a_rigid_drive_to_friction_of_its_slide():
 
 def test_what_a_drive_does_not_have_is_no_reason():
     found = lsvib.Drive().thresholds("slide_friction")
-    assert "closed form without friction of slide, bearing and collar only" in found["stick"].reason
+    assert "computed only without friction of slide, bearing and collar" in found["stick"].reason
     assert "does not depend on" in found["negative_damping"].reason

@@ -50,7 +50,7 @@ def test_friction_by_name(run):
     for key, value in PAIRINGS["powered_seat"].parameters().items():
         assert table[key]["value"] == value
     over = "sweep", "--set", "friction=powered_seat", "--over", "stribeck_rise=0:0.1:3"
-    assert refused(run, *over) == "lsvib: stribeck_rise is varied and given by --set; give it once.\n"
+    assert refused(run, *over) == "lsvib: stribeck_rise is both varied and set; give it once.\n"
 
 
 def test_simulate(run, tmp_path):
@@ -120,7 +120,7 @@ def test_installed_command_and_help(run):
     command = [sys.executable, "-c", "from lsvib.cli.app import main; main()"]
     bad = subprocess.run([*command, "config", "--set", "mass=-1"], capture_output=True, text=True)
     assert (bad.returncode, bad.stdout) == (2, "")
-    assert bad.stderr == "lsvib: mass = -1.0 is outside the allowed range 1e-18 <= mass <= 1e+09.\n"
+    assert bad.stderr == "lsvib: mass = -1.0 is outside the allowed range 1e-18 <= mass <= 1e+09 kg.\n"
     for name in ("thresholds", "stability", "simulate", "figure", "attraction", "config"):
         code, shown, error = run(name, "--help")
         assert (code, error) == (0, "")

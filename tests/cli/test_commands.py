@@ -112,8 +112,8 @@ def test_a_drive_is_described(run):
     assert found["steady"]["screw_shift"] == pytest.approx(48 / 1e6, rel=1e-12)
     assert len(found["modes"]) == 24
     rests = json.loads(run("describe", *arguments, "--set", "bearing_static_friction=0.03", "--json")[1])["equations"]
-    assert "held: x′ = 0 while friction of the slide, up to 2 N, holds" in rests
-    assert "rest: the bearing holds up to 0.03 N m, and lets go together with the threads" in rests
+    assert "held: x′ = 0 while friction of the slide holds, up to 2 N" in rests
+    assert "rest: the bearing holds up to 0.03 N m, and breaks loose together with the threads" in rests
     text = run("describe")[1]
     assert "the coupling only" in text
     assert "Γ₊ = " in text
@@ -165,7 +165,7 @@ def test_a_sweep_and_its_file_are_those_of_the_drive(run):
     assert {None} == {row["period [s]"] for row in result["rows"] if row["behaviour"] == "no_vibration"}
     text = run(*arguments, "--out", "s.csv")[1]
     assert text.splitlines()[1].split()[:3] == ["axial_force", "[N]", "behaviour"]
-    assert "\n14 rows between these are left out; " in text
+    assert "\n14 rows between these are omitted; " in text
     assert "points per second" in text
     heading, *rows = Path("s.csv").read_text().splitlines()
     assert heading.startswith("axial_force [N],attractor,amplitude [rad],period [s],multiplier,peak_normal_force [N],")

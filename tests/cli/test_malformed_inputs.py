@@ -53,7 +53,7 @@ COMMANDS = [
     ("stability --set contact_damping=1", "contact_damping is a parameter of compliant threads, which need contact_st"),
     ("stability --set screw_mass=1", "screw_mass is a parameter of a compliant axial support, which needs support_st"),
     # Thresholds.
-    ("thresholds --solve stuck", "threshold = 'stuck' is not one of those of this drive: even_speed, on"),
+    ("thresholds --solve stuck", "threshold = 'stuck' is not a threshold of this drive; those are even_speed, on"),
     ("thresholds --solve stick --for weight", "unknown = 'weight' is not a parameter of this drive"),
     ("thresholds --for weight", "unknown = 'weight' is not a parameter of this drive"),
     # Motions.
@@ -65,7 +65,7 @@ COMMANDS = [
     (f"{MOTION} --samples 10.5", "Invalid value for --samples: '10.5' is not a whole number."),
     ("figure 8.8 --config folder", "Cannot read folder: Is a directory"),
     # Maps, charts, sweeps and what else has axes.
-    ("attraction --grid u=-0.1:0.1:4 --out x.nc", "grid spans 1 coordinates"),
+    ("attraction --grid u=-0.1:0.1:4 --out x.nc", "of two coordinates; 1 given"),
     ("attraction --grid u=1:0:4 w=0:1:4 --out x.nc", "start < stop"),
     ("attraction --grid u=0:1 w=0:1:4 --out x.nc", "KEY=START:STOP:COUNT"),
     ("attraction --grid u=0:1:4 q=0:1:4 --out x.nc", "keys u, q; it needs u and w"),
@@ -74,8 +74,8 @@ COMMANDS = [
     (f"{MAP} --figure map.pdf", ".png"),
     ("sweep --over axial_force=1:60 --out x.nc", "KEY=START:STOP:COUNT"),
     ("sweep --over mass=-1:1:3 --out x.nc", "mass = -1"),
-    ("sweep --over mass=1:2:3 --set mass=4 --out x.nc", "mass is varied and given by --set"),
-    ("sweep --over lead_angle=0.1:0.2:3 --set lead_angle_deg=4", "lead_angle is varied and given by --set"),
+    ("sweep --over mass=1:2:3 --set mass=4 --out x.nc", "mass is both varied and set; give it once."),
+    ("sweep --over lead_angle=0.1:0.2:3 --set lead_angle_deg=4", "lead_angle is both varied and set; give it once."),
     ("attraction --grid u=0:1:20 w=0:1:1000000000 --out x.nc", "1 <= count <= 10000000"),
     ("attraction --grid u=0:1:10000 w=0:1:10001 --out x.nc", "grid has 100010000 cells; the allowed range is up to"),
     ("sweep --over mass=1:2:10000000 --over axial_force=1:2:10000000", "over has 100000000000000 points"),
@@ -95,10 +95,10 @@ COMMANDS = [
     (MOTION.replace("x.nc", "long" * 99), "File name too long"),
     (MOTION.replace("x.nc", "pipe"), "pipe"),
     ("simulate --scene scene.yaml --out to_scene", "reads"),
-    (MOTION.replace("x.nc", "x.xlsx"), "out = x.xlsx does not end in .nc or .csv."),
-    (f"{MOTION} --outputs heat", "outputs has the word 'heat'; this drive knows normal_force, "),
-    ("fit sheet.yaml --out x.csv", "out = x.csv is the name of a file; this command writes fit.nc, "),
-    ("figure 8.8 --out x.csv", "out = x.csv is the name of a file; this command writes dataset, checks, "),
+    (MOTION.replace("x.nc", "x.xlsx"), "out = x.xlsx must end in .nc or .csv."),
+    (f"{MOTION} --outputs heat", "outputs cannot have 'heat'; of this drive it can have normal_force, "),
+    ("fit sheet.yaml --out x.csv", "out = x.csv names a file, but this command writes fit.nc, "),
+    ("figure 8.8 --out x.csv", "out = x.csv names a file, but this command writes dataset, checks, "),
     *((words, "belongs to the workflow") for words in (
         "figure 8.3 --out results/datasets", "figure 8.3 --out results/figures", "figure 8.3 --out results/checks",
         MOTION.replace("x.nc", "results/datasets/file.nc"), MAP.replace("x.nc", "results/datasets/attraction.nc"),
@@ -143,8 +143,8 @@ ROUGH = LIGHT.replace(static_friction_coefficient=0.3, axial_force=35)
 RUBS = DRIVE(slide_friction=2, support_damping=0)
 LET_GO = DRIVE(input_speed=0)
 RESISTED, CUT_OFF = NEAR_FOLD.replace(axial_force=-18), DRIVE(friction_slope=-2, support_damping=0, input_speed=30)
-OF_CONSTANT = "the closed form of the threshold {} holds for friction that does not depend on speed."
-OF_LEVEL = "holds for static friction that is not above that of sliding."
+OF_CONSTANT = "the threshold {} is computed only for friction that does not depend on speed."
+OF_LEVEL = "is computed only for static friction that does not exceed sliding friction."
 FAST_NUT = {"mass": 24, "support_damping": 1.15e-3, "translation_damping": 2820, "friction_coefficient": 0.1974}
 CLOSED = ("detach", "global_stability")
 
@@ -155,17 +155,17 @@ def branch(parameter, span, of=NEAR_FOLD):
 
 
 REFUSED_BASINS = [
-    ({"mass": 11, "axial_force": 10}, "attracts nothing"),
-    ({"mass": 1, "translation_damping": 1000, "axial_force": 25}, "attracts nothing"),
+    ({"mass": 11, "axial_force": 10}, "attracts no motion"),
+    ({"mass": 1, "translation_damping": 1000, "axial_force": 25}, "attracts no motion"),
     ({"mass": 11, "axial_force": 0}, "balances the translation damping"),
-    ({"mass": 11, "support_damping": 0, "axial_force": -10}, "attracts nothing"),
-    ({"mass": 11, "support_damping": 1e-3, "translation_damping": 5000, "axial_force": -1000}, "not covered"),
-    ({"mass": 5, "support_damping": 4.7e-5, "translation_damping": 10600, "axial_force": -0.16}, "without a turn"),
+    ({"mass": 11, "support_damping": 0, "axial_force": -10}, "attracts no motion"),
+    ({"mass": 11, "support_damping": 1e-3, "translation_damping": 5000, "axial_force": -1000}, "cannot be computed"),
+    ({"mass": 5, "support_damping": 4.7e-5, "translation_damping": 10600, "axial_force": -0.16}, "turning back"),
     ({**FAST_NUT, "axial_force": 40.56}, "rest does not settle"),
-    ({"friction": "powered_seat", "axial_force": 100}, "attracts nothing"),
-    ({"friction": "powered_seat", "mass": 11, "axial_force": -20}, "this friction law reaches the Painlevé region"),
-    ({"static_friction_coefficient": 0.3}, "the boundary of the basin holds for static friction that is not above"),
-    ({"friction": "powered_seat", "static_friction_coefficient": 0.3}, "holds for static friction that is not above"),
+    ({"friction": "powered_seat", "axial_force": 100}, "attracts no motion"),
+    ({"friction": "powered_seat", "mass": 11, "axial_force": -20}, "this friction law enters the Painlevé region"),
+    ({"static_friction_coefficient": 0.3}, "the boundary of the basin is computed only for static friction"),
+    ({"friction": "powered_seat", "static_friction_coefficient": 0.3}, "only for static friction that does not exceed"),
 ]
 REFUSED_THRESHOLDS = [
     (LIGHT, ("stick", 3), "unknown = 3 is not a parameter"),
@@ -173,24 +173,24 @@ REFUSED_THRESHOLDS = [
     (LIGHT.replace(friction_coefficient=0.05), ("kinematic_constraint",), "no mass in the allowed range"),
     (support_drive(mass=1e-6), ("kinematic_constraint", "friction_coefficient"), "no friction_coefficient in the"),
     (LIGHT, ("kinematic_constraint", "lead_angle"), "no lead_angle in the allowed range 1e-06 <= lead_angle < 1.5708"),
-    (LIGHT, ("flutter",), "threshold = 'flutter' is not one of those of this drive"),
-    (RUBS, ("flutter",), "threshold = 'flutter' is not one of those of this drive: even_speed, onset, kinematic_const"),
-    (LIGHT, ("stick", "friction_slope"), "holds for friction that is one number."),
-    (RESISTED, ("detach", "mass"), "no mass within 6 decades on both sides of the drive's own value is the"),
+    (LIGHT, ("flutter",), "threshold = 'flutter' is not a threshold of this drive"),
+    (RUBS, ("flutter",), "'flutter' is not a threshold of this drive; those are even_speed, onset, kinematic_const"),
+    (LIGHT, ("stick", "friction_slope"), "is computed only for a single friction coefficient."),
+    (RESISTED, ("detach", "mass"), "no mass within 6 decades of the drive's own value makes"),
     (PARADOX.replace(mass=10.0), ("global_stability",), "not in the Painlevé region"),
-    (PARADOX.replace(support_damping=0.0), ("global_stability",), "attracts nothing"),
-    (PARADOX.replace(translation_damping=2000.0, support_damping=0.1), ("global_stability",), "and under every"),
+    (PARADOX.replace(support_damping=0.0), ("global_stability",), "attracts no motion"),
+    (PARADOX.replace(translation_damping=2000.0, support_damping=0.1), ("global_stability",), "and every one with"),
     (FALLING, ("onset", "stribeck_exponent"), "stribeck_exponent is either 1 or 2"),
     (DRIVE(), ("onset", "stribeck_rise"), "no threshold is solved for stribeck_rise without stribeck_speed > 0."),
-    (DRIVE(mass=11), ("onset", "input_speed"), "for every input speed below zero and for none on the other side"),
-    (RUBS.replace(mass=11, slide_static_friction=20), ("onset", "slide_friction"), "stable for no slide friction"),
+    (DRIVE(mass=11), ("onset", "input_speed"), "for all input speeds below zero and for none on the other side"),
+    (RUBS.replace(mass=11, slide_static_friction=20), ("onset", "slide_friction"), "stable for any slide friction"),
     (ROUGH, ("stick", "static_friction_coefficient"), "stick does not depend on static_friction_coefficient."),
     (JERKING.replace(static_friction_coefficient=0), ("even_speed",), "ends in steady sliding at every input_speed"),
     (JERKING.replace(support_damping=0), ("even_speed",), "the motion from rest does not end in steady sliding at any"),
     *((FALLING, (name, key), OF_CONSTANT.format(name)) for name in ("stick", *CLOSED) for key in (None, "mass")),
     *((ROUGH, (name,), OF_LEVEL) for name in CLOSED),
     # Beyond the cut a condition vanishes throughout, which is no root.
-    *((CUT_OFF, ("onset", key), "stable for no ") for key in ("pitch_radius", "input_speed", "lead_angle")),
+    *((CUT_OFF, ("onset", key), "stable for any ") for key in ("pitch_radius", "input_speed", "lead_angle")),
 ]
 PYTHON = [
     (lambda: lsvib.simulate("none.yaml"), "none.yaml"),
@@ -204,13 +204,13 @@ PYTHON = [
     (lambda: lsvib.Drive().attraction(GRID, workers="many"), "workers = 'many'"),
     (lambda: read_dataset("text"), "not a readable netCDF file"),
     *((lambda name=name: read_dataset(name), f"{name} is not a regular file.") for name in ("folder", "pipe")),
-    (lambda: lsvib.Drive().simulate("rset", 1), "start = 'rset' does not hold names and values, such as u: 0.1 and w:"),
+    (lambda: lsvib.Drive().simulate("rset", 1), "= 'rset' is not a set of names and values, such as u: 0.1 and w:"),
     (lambda: lsvib.Drive().simulate("rest", 1, outputs=5), "outputs = 5 is not a list."),
     (lambda: checked({**SETTINGS, "colour": 1}), UNKNOWN),
-    (lambda: NEAR_FOLD.follow(NEAR_FOLD.cycles(), "axial_force", (-18.5, -18.35)), "what is followed is one cycle"),
+    (lambda: NEAR_FOLD.follow(NEAR_FOLD.cycles(), "axial_force", (-18.5, -18.35)), "follow takes one cycle"),
     (lambda: NEAR_FOLD.sweep(mass=np.array(1.0)), "mass = array(1.) is not a list of numbers"),
     (lambda: NEAR_FOLD.sweep(mass=np.ones((2, 2))), "is not a list of numbers"),
-    (lambda: NEAR_FOLD.sweep(mass=MASKED), "mass holds a value that is not a number"),
+    (lambda: NEAR_FOLD.sweep(mass=MASKED), "mass has a value that is not a number"),
     (lambda: lsvib.Drive(mass=np.ma.masked), "mass = masked is not a number"),
     (lambda: NEAR_FOLD.simulate({"u": MASKED[1], "w": 0}, 0.1), "start.u = masked is not a number"),
     (lambda: setattr(NEAR_FOLD, "mass", 5), "drive.replace(mass=...) makes another one"),
@@ -221,18 +221,18 @@ PYTHON = [
     (lambda: lsvib.Grid(U, 3), "a grid needs two axes"),
     (lambda: lsvib.Grid(U, U), "a coordinate twice"),
     (lambda: lsvib.Grid(U, W, {"e": float("nan")}), "grid: e = nan is not a number"),
-    (lambda: Grid.of({"u": SPAN, "w": 1.0}, ()), "spans 1 coordinates"),
+    (lambda: Grid.of({"u": SPAN, "w": 1.0}, ()), "of two coordinates; 1 given"),
     (lambda: Grid.of({"u": SPAN, "w": {"start": 0.0, "stop": 1.0}}, ()), "axis w has the keys start, stop; it needs"),
     (lambda: NEAR_FOLD.basin().area(lsvib.Window(0.1, -0.1, -5, 5)), "window u = 0.1 to -0.1"),
-    (lambda: NEAR_FOLD.basin().fraction({"u": (0, 1)}), "does not give the ends of u and of w"),
-    (lambda: NEAR_FOLD.basin().line((0.1, 0.2, -5, 5)), "does not give the ends of u and of w"),
+    (lambda: NEAR_FOLD.basin().fraction({"u": (0, 1)}), "is not a range of u and one of w"),
+    (lambda: NEAR_FOLD.basin().line((0.1, 0.2, -5, 5)), "is not a range of u and one of w"),
     (lambda: NEAR_FOLD.resilience({"u": (1, 0), "w": (0, 1)}), "window u = 1 to 0 is outside the allowed range"),
-    (lambda: NEAR_FOLD.resilience({"u": (0, 1)}), "window = {'u': (0, 1)} does not give the ends of u and of w."),
+    (lambda: NEAR_FOLD.resilience({"u": (0, 1)}), "window = {'u': (0, 1)} is not a range of u and one of w."),
     (lambda: NEAR_FOLD.resilience({"u": ("a", 1), "w": (0, 1)}), "window u = "),
     *((lambda changes=changes: DRIVE(**changes).basin(), words) for changes, words in REFUSED_BASINS),
     *((lambda of=of, asked=asked: of.threshold(*asked), words) for of, asked, words in REFUSED_THRESHOLDS),
     (lambda: branch("colour", (1, 2)), "colour"),
-    (lambda: branch("axial_force", (-10, -5)), "holds the drive's own axial_force"),
+    (lambda: branch("axial_force", (-10, -5)), "it must include the drive's own axial_force"),
     (lambda: branch("axial_force", (1,)), "span"),
     (lambda: branch("mass", (-1, 20)), "mass"),
     (lambda: branch("mass", (0.5, 2), LIGHT), "another drive"),
@@ -241,9 +241,9 @@ PYTHON = [
     # With so much inertia the friction of the second body has several solutions.
     (lambda: support_drive(slide_friction=1, screw_mass=11.6).automaton(), "screw_mass < 10.1"),
     (lambda: nut_drive(bearing_friction=0.01, mass=15).automaton(), "outside the Painlevé region"),
-    (lambda: support_drive(slide_friction=1, **SLIDES).automaton(), "slide_friction = 1 is not followed where"),
-    (lambda: nut_drive(bearing_friction=1, **SLIDES).automaton(), "bearing_friction = 1 is not followed where"),
-    (lambda: nut_drive(bearing_static_friction=1, **SLIDES).automaton(), "bearing_static_friction = 1 is not followed"),
+    (lambda: support_drive(slide_friction=1, **SLIDES).automaton(), "slide_friction = 1 cannot be combined with"),
+    (lambda: nut_drive(bearing_friction=1, **SLIDES).automaton(), "bearing_friction = 1 cannot be combined with"),
+    (lambda: nut_drive(bearing_static_friction=1, **SLIDES).automaton(), "static_friction = 1 cannot be combined with"),
     *((call, "input_speed = 0 holds the motor still") for call in (LET_GO.cycles, LET_GO.basin, LET_GO.resilience)),
 ]
 

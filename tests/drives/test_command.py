@@ -70,7 +70,7 @@ def test_a_scene_with_a_command():
         outputs=("screw_speed", "load_place", "load_speed"),
     )  # fmt: skip
     assert not [name for name in motion if "clock" in name]
-    assert "less the constant input_speed" in motion.comment
+    assert "speeds to the constant input_speed" in motion.comment
     speed, commanded, time = (motion[name].values for name in ("screw_speed", "commanded_speed", "time"))
     np.testing.assert_allclose(commanded, np.interp(time, [0.1, 0.3, 0.7, 0.9], [0, 40, 40, 0]), atol=1e-12)
     place, mean = motion.load_place.values, 0.5 * (motion.load_speed.values[1:] + motion.load_speed.values[:-1])
@@ -90,7 +90,7 @@ def test_a_scene_with_a_command():
 @pytest.mark.parametrize(
     ("command", "words"),
     [
-        ({"times": [0, 1], "speeds": [0, 1, 2]}, "2 times and 3 speeds"),
+        ({"times": [0, 1], "speeds": [0, 1, 2]}, "2 times but 3 speeds"),
         ({"times": [0], "speeds": [0]}, "command: times = [0] is not long enough; it needs at least 2."),
         ({"times": 5, "speeds": [0, 1]}, "command: times = 5 is not a list."),
         ({"times": [1, 0], "speeds": [0, 1]}, "must ascend"),
@@ -100,7 +100,7 @@ def test_a_scene_with_a_command():
         ({"times": [0, "fast"], "speeds": [0, 1]}, "command: times.1 = 'fast' is not a number"),
         ({"times": [0, 1]}, "command: speeds is missing"),
         ({"times": [0, 1], "speeds": [0, 1], "until": 3}, "until is not a known key; the known keys are times, speeds"),
-        ([0, 1], "command = [0, 1] does not hold names and values, such as times: [0, 1] and speeds: [0, 40]."),
+        ([0, 1], "command = [0, 1] is not a set of names and values, such as times: [0, 1] and speeds: [0, 40]."),
         ({"times": np.array(1.0), "speeds": [0, 1]}, "command: times = 1.0 is not a list."),
     ],
 )

@@ -55,10 +55,10 @@ def test_a_drive_and_its_system_end_alike(values, label, u, w):
 @pytest.mark.parametrize(
     ("values", "sentence"),
     [
-        (dict(mass=11), "parameters.real_below_critical_mass = 'sqrt(Gamma_plus)' is no real number."),
-        (dict(slide_friction=1), "the drive has slide_friction; a system is made of rigid or compliant threads"),
-        (dict(friction_slope=0.1), "the drive has friction_slope; a system"),
-        (dict(motor_inertia=1e-5, integral_gain=1), "the drive has a motor with its controller; a system"),
+        (dict(mass=11), "parameters.real_below_critical_mass = 'sqrt(Gamma_plus)' is not a real number."),
+        (dict(slide_friction=1), "the drive has slide_friction; only rigid or compliant threads with one"),
+        (dict(friction_slope=0.1), "the drive has friction_slope; only rigid"),
+        (dict(motor_inertia=1e-5, integral_gain=1), "the drive has a motor with its controller; only rigid"),
     ],
 )
 def test_what_a_drive_has_beyond_is_refused(values, sentence):

@@ -103,11 +103,11 @@ STATIC = (
         ),
         (
             {"friction_slope": 2e6},
-            "friction_slope = 2000000.0 is outside the allowed range 0 or 1e-18 <= |friction_slope| <= 1e+06.",
+            "friction_slope = 2000000.0 is outside the allowed range 0 or 1e-18 <= |friction_slope| <= 1e+06 s m-1.",
         ),
         (
             {"stribeck_speed": 1e-13},
-            "stribeck_speed = 1e-13 is outside the allowed range 0 or 1e-12 <= stribeck_speed <= 1e+06.",
+            "stribeck_speed = 1e-13 is outside the allowed range 0 or 1e-12 <= stribeck_speed <= 1e+06 m s-1.",
         ),
         ({"friction_slope": "steep"}, None),
         ({"stribeck_rise": math.nan}, None),

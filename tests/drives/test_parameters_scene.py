@@ -162,4 +162,4 @@ def test_scene_from_yaml(tmp_path):
 def test_a_collar_needs_its_radius_and_rigid_parts():
     assert complaint(Drive, collar_friction=0.1) == "collar_friction = 0.1 needs collar_radius > 0."
     said = complaint(Drive, collar_friction=0.1, collar_radius=0.01, contact_stiffness=1e8)
-    assert said.startswith("collar_friction = 0.1 is not followed with compliant threads: the force on the collar")
+    assert said.startswith("collar_friction = 0.1 cannot be combined with compliant threads: the")

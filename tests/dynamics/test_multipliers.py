@@ -282,14 +282,16 @@ def test_cycles_of_random_drives(seeds):
 @pytest.mark.slow
 def test_none_found_is_not_said_of_a_drive_that_cannot_be_followed():
     drive = threads_drive(stribeck_rise=0.05, stribeck_speed=0.02, input_speed=5, axial_force=50)
-    with pytest.raises(EngineError, match=r"motions from all 104 starts are unresolved .* contact_damping smaller"):
+    with pytest.raises(
+        EngineError, match=r"all 104 starts are unresolved .* reduce contact_stiffness and contact_damping"
+    ):
         drive.cycles()
 
 
 @pytest.mark.slow
 def test_a_drive_whose_rates_lie_too_far_apart_is_refused_in_seconds():
     """One search of it would take 10¹³ steps."""
-    with pytest.raises(EngineError, match=r"all 104 starts are unresolved .*work budget exhausted"):
+    with pytest.raises(EngineError, match=r"all 104 starts are unresolved .*took too much work"):
         lsvib.Drive(translation_damping=1e15, friction_slope=-1e-5).cycles()
 
 

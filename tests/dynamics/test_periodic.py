@@ -148,7 +148,7 @@ def test_a_cycle_without_derivative_is_written_without_multipliers():
 
 def test_no_cycle_is_proved_where_steady_sliding_is_globally_stable():
     assert "globally stable" in NEAR_FOLD.replace(axial_force=-18.376).cycles().proved
-    assert "smaller" in lsvib.Drive(mass=8).cycles().proved
+    assert "slip contracts" in lsvib.Drive(mass=8).cycles().proved
     assert not lsvib.Drive(mass=8).cycles().cycles
 
 

@@ -163,5 +163,5 @@ def test_a_port_in_use_is_refused_in_one_sentence(server):
     command = [sys.executable, "-m", "lsvib", "explore", "--no-show", "--port", port]
     done = subprocess.run(command, capture_output=True, text=True)
     assert (done.returncode, done.stdout) == (2, "")
-    said = "cannot be used: another program uses it; take another one with --port."
+    said = "cannot be used: another program uses it; choose another one with --port."
     assert done.stderr == f"lsvib: port = {port} {said}\n"

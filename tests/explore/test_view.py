@@ -61,10 +61,10 @@ def test_a_link_gives_the_view_back(seed):
 @pytest.mark.parametrize(
     ("query", "said"),
     [
-        ("mass=-1", "mass = -1.0 is outside the allowed range 1e-18 <= mass <= 1e+09."),
+        ("mass=-1", "mass = -1.0 is outside the allowed range 1e-18 <= mass <= 1e+09 kg."),
         ("u=nan", "u = 'nan' is not a number."),
         ("left=1&right=0&bottom=0&top=1", "window u = 1 to 0 is outside the allowed range low < high"),
-        ("left=1", "all of left, right, bottom and top"),
+        ("left=1", "needs left, right, bottom and top"),
         ("over=mass&low=-3&high=2", "mass = -3"),
     ],
 )
@@ -126,7 +126,7 @@ def test_a_sheet_opens_with_the_motion_of_its_report(monkeypatch):
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("modes: {}", "draws it."),
+        ("modes: {}", "draw it with"),
         ("{drive: {}, start: {u: 0, w: 1}, duration: 1, command: {times: [0, 1], speeds: [0, 40]}}", "the command of"),
         (
             "{drive: {}, start: {u: 0, w: 1}, duration: 1, physics: [axial_force, support_damping]}",
@@ -285,7 +285,8 @@ def test_a_page_with_a_friction_law_opens(monkeypatch):
     monkeypatch.setattr(answers, "values_of", lambda view, count: [view.drive.axial_force])
     page = page_of(View(lsvib.Drive(axial_force=100, input_speed=10, **LAW), w=-9.0, duration=0.2))
     colours = settled(page)
-    assert "0 to 0.126 m/s, with a coefficient of 0.207 to 0.238." in page._words.text  # 0.218 - 0.0859 * 0.126
+    words = page._words.text
+    assert "0 to 0.126 m/s, with a friction coefficient of 0.207 to 0.238." in words  # 0.218 - 0.0859 * 0.126
     assert colours == set(answers.rgba(answers.labels(page.view.drive, page.view.window, (6, 4))).ravel().tolist())
     assert (page._alert.text, "Of 1 drives" in page._words.text) == ("", True)
     assert len(page.plots.sources["near"].data["x"]) == len(page.plots.sources["curve"].data["x"]) == 1
@@ -299,7 +300,7 @@ def test_a_drive_with_compliant_parts_and_a_law_is_followed_without_its_map(part
     monkeypatch.setattr(answers, "values_of", lambda view, count: [view.drive.axial_force])
     page = page_of(View(DRIVES[part](axial_force=100, input_speed=10, **LAW), w=-9.0, duration=0.05))
     assert settled(page) == {answers.rgba(np.array([-2]))[0]}
-    assert "The map is left out here" in page._words.text
+    assert "No map is shown" in page._words.text
     assert len(page.plots.sources["near"].data["x"]) == 1
     motion = page.view.drive.simulate({"u": 0.0, "w": -9.0}, 0.05, samples=2001)
     if part == "nut":

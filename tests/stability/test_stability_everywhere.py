@@ -168,11 +168,11 @@ def test_a_mode_that_no_damping_reaches_is_neutral():
     assert report.eigenvalues[-1].imag == pytest.approx(rate, rel=1e-14)
     never = onset("nut", changes, "mass")
     assert (never.value, never.stable_intervals) == (None, ())
-    assert never.reason == "steady sliding is asymptotically stable for no mass, all other parameters held."
+    assert never.reason == "steady sliding is not asymptotically stable for any mass, with all other parameters fixed."
     assert report_of({**changes, "friction_coefficient": 0.5}, "nut").kind == "flutter"
     least = onset("nut", changes, "nut_damping")
     assert least.value is None
-    assert least.reason.endswith("stable without nut damping, but with any above zero, however small.")
+    assert least.reason.endswith("stable for every nut damping above zero, but not at zero.")
 
 
 KNOWN = [

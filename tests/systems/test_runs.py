@@ -74,7 +74,7 @@ FASTEST = Drive(translation_damping=1e15, friction_slope=-1e-5)  # turns at 10¹
 
 def test_a_motion_of_too_many_steps_is_refused_in_one_sentence(monkeypatch):
     monkeypatch.setattr("lsvib.systems.motion._MANY_STEPS", 10_000)
-    with pytest.raises(EngineError, match=r"than 10,000 steps by its event after t = 0 s; shorten the duration"):
+    with pytest.raises(EngineError, match=r"than 10,000 steps to the event after t = 0 s; shorten the duration"):
         follow(automaton_of(FASTEST), (0.1, 0.0), 1.0)
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 SHEETS = {Path(sheet).stem: sheet for sheet in config["assessments"]}
 
 if len(SHEETS) < len(config["assessments"]):
-    raise WorkflowError("Configuration: two data sheets of assessments have the same name but for their folder.")
+    raise WorkflowError("Configuration: two data sheets of assessments have the same name in different folders.")
 
 
 rule assessments:

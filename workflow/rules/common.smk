@@ -34,7 +34,7 @@ def category(wildcards):
     """Return the part of the report in which a figure is."""
     if wildcards.figure.startswith("fig8_"):
         return "Chapter 8"
-    return "Others and a measurement" if wildcards.figure in configuration.BENCHMARKS else "Beyond the chapter"
+    return "Other methods and a measurement" if wildcards.figure in configuration.BENCHMARKS else "Beyond the chapter"
 
 
 def inputs(wildcards):

@@ -15,9 +15,9 @@ with logged(snakemake):
     for (figure, given), file in zip(snakemake.params.settings.items(), snakemake.input.datasets, strict=True):
         made = read_dataset(file).attrs
         if made.get("settings") != json.dumps(complete_settings(figure, given)):
-            wrong.append(f"{file} was made with another configuration; delete it, and run again what makes it.")
+            wrong.append(f"{file} was made with another configuration; delete it and run the workflow again.")
         elif made.get("sources_sha256") != sources_of(figure):
-            wrong.append(f"{file} was made by other sources; delete it, and run again what makes it.")
+            wrong.append(f"{file} was made by other sources; delete it and run the workflow again.")
     if wrong:
         sys.exit("\n".join(wrong))
     checks = read_checks(snakemake.input.checks)

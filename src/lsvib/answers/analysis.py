@@ -56,7 +56,7 @@ def analyse(
         found,
         coords={
             **drive_parameters(drives, along=along, printed=printed),
-            "eigenvalue": variable("eigenvalue", np.arange(1, roots.shape[1] + 1), "1", "number of the eigenvalue"),
+            "eigenvalue": variable("eigenvalue", np.arange(1, roots.shape[1] + 1), "1", "index of the eigenvalue"),
             "end": named_index("end", "end of an enclosure", ("low", "high")),
         },
         attrs={
@@ -89,5 +89,5 @@ def _threshold(name: str, unknown: str, drives: Sequence[Drive]) -> Variables:
     more = {"comment": " ".join(reasons)} if reasons else {}
     return {
         key: variable("case", values, known["units"], words, known["symbol"], **more),
-        f"{key}_enclosure": variable(("case", "end"), ends, known["units"], f"{words}, doubles that enclose it"),
+        f"{key}_enclosure": variable(("case", "end"), ends, known["units"], f"{words}, enclosure"),
     }

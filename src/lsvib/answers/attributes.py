@@ -33,11 +33,11 @@ def quantity(name: str, when: str = "") -> dict[str, str]:
 CRITICAL_MASS = attributes("kg", "critical mass of the rigid drive (8.20)", r"$m_\mathrm{cr}$")
 # Of events: the impulses of seizures, zero in other events, and a sign.
 IMPULSES = {
-    "normal_impulse": attributes("N s", "normal impulse of the threads of the event"),
-    "axial_impulse": attributes("N s", "impulse of the threads along the axis of the event"),
-    "torque_impulse": attributes("N m s", "impulse of the threads about the axis of the event"),
+    "normal_impulse": attributes("N s", "normal impulse of the threads at the event"),
+    "axial_impulse": attributes("N s", "axial impulse of the threads at the event"),
+    "torque_impulse": attributes("N m s", "angular impulse of the threads at the event"),
 }
-WITHOUT_IMPULSES = "without the impulses of seizures, which are in event_normal_impulse"
+WITHOUT_IMPULSES = "excludes the impulses of seizures, which are in event_normal_impulse"
 SIGNS = attributes(
     "1",
     "sign of the impulse of a seizure, or of the normal force after a contact reversal",
@@ -45,9 +45,9 @@ SIGNS = attributes(
 )
 
 ASSUMED = "assumed: not stated in the text"
-GIVEN = "given: by whoever asked for this file"
+GIVEN = "given: set by the user"
 VARIED = "varied: an axis of this file"
-NO_EFFECT = "of no effect: the results of this file do not depend on it"
+NO_EFFECT = "no effect: the results in this file do not depend on it"
 # In front of the name of a parameter that a file needs twice: along what it varies, or of what it is.
 QUALIFIERS = ("swept", "grid", "curve", "growth", "boundary", "reading", "case", "drawn")
 

@@ -63,7 +63,7 @@ class Cycles:
         """Yield them in lines of text."""
         yield from filter(None, (self.proved, self.searched))
         if not self.cycles:
-            yield f"no cycle found{' from the starts that are resolved' if self.unresolved else ''}"
+            yield f"no cycle found{' from the resolved starts' if self.unresolved else ''}"
         for one in self.cycles:
             cycle = one.to_json()
             yield f"{words.plain(cycle['label'])}, {cycle['stability']} (found by: {cycle['found_by']})"
@@ -92,14 +92,14 @@ def find_cycles(drive: Drive, automaton: Automaton) -> Cycles:
     From starts, on the edges of basins, and at the boundary of the basin of steady sliding where that is known.
     """
     if shrinks_areas(automaton):
-        return Cycles((), (), "There is no cycle: slip makes every area of the phase plane smaller.")
+        return Cycles((), (), "There is no cycle: slip contracts every area of the phase plane.")
     proved, known = "", None
     if (basin := known_basin(drive)) is not None:
         if basin.boundary == Boundary.NONE:
             far = " up to 10⁵ times the input speed" if friction.depends_on_speed(drive) else ""
             return Cycles((), (), f"There is no cycle{far}: steady sliding is globally stable{far}.")
         kind = basin.boundary.name.lower().replace("_", " ")
-        proved = f"Not every motion settles: the basin of steady sliding has a known boundary, a {kind}."
+        proved = f"Not every motion settles: the basin of steady sliding is bounded by a {kind}."
         if basin.boundary == Boundary.CYCLE:
             arcs = [piece for piece in basin.curves[0] if isinstance(piece, Arc)]
             mode, start = enter(automaton, state_on(basin.flow, arcs[0], 0.5 * arcs[0].duration))
@@ -113,10 +113,10 @@ def find_cycles(drive: Drive, automaton: Automaton) -> Cycles:
     if not found.cycles and len(found.unresolved) == len(states):
         why = "; ".join(sorted(set(found.unresolved)))
         # A contact may be so stiff that motions take too much work.
-        softer = ", or make contact_stiffness and contact_damping smaller" if "threads" in drive.parts else ""
+        softer = ", or reduce contact_stiffness and contact_damping" if "threads" in drive.parts else ""
         raise EngineError(
-            f"the motions from all {len(states)} starts are unresolved ({why}), so nothing is known of the cycles of "
-            f"this drive; follow one with lsvib simulate{softer}."
+            f"the motions from all {len(states)} starts are unresolved ({why}), so the cycles of this drive are "
+            f"not known; examine one motion with lsvib simulate{softer}."
         )
     searched = f"Searched: {found.searched}; there may be other cycles."
     cycles = tuple(Cycle.of(drive, cycle) for cycle in found.cycles)
@@ -134,7 +134,7 @@ def followed(
 ) -> CycleBranch:
     """Follow a cycle over a parameter as :meth:`lsvib.Drive.follow`; ``build`` makes the automaton of a drive."""
     if not isinstance(cycle, Cycle):
-        raise InputError("what is followed is one cycle, such as drive.cycles().cycles[0].")
+        raise InputError("follow takes one cycle, such as drive.cycles().cycles[0].")
     if cycle.drive != drive:
         raise InputError("the cycle belongs to another drive; take one of this drive's cycles().")
     known_key(parameter)
@@ -163,7 +163,7 @@ def branch_dataset(branch: CycleBranch) -> xr.Dataset:
         "along": ([point.along for point in branch.points], "1", "length of the branch from its start"),
         "period": ([cycle.period for cycle in cycles], "s", "period of the cycle", "$T$"),
         "amplitude": ([x.amplitude for x in cycles], "rad" if of_drive else "1", "amplitude, half its peak-to-peak"),
-        "multiplier_error": ([cycle.multiplier_error for cycle in cycles], "1", "bound of the multipliers' errors"),
+        "multiplier_error": ([cycle.multiplier_error for cycle in cycles], "1", "error bound of the multipliers"),
         "period_residual": ([cycle.residual for cycle in cycles], "1", "change of the state over a period"),
     }
     data = {branch.parameter: cf.variable("point", values, "1", f"parameter {branch.parameter}")}

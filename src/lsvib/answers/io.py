@@ -75,7 +75,7 @@ def read_dataset(path: str | os.PathLike[str]) -> xr.Dataset:
         return xr.load_dataset(path, engine="netcdf4")
     except (OSError, RuntimeError, ValueError) as error:
         text = str(error).rstrip(".")
-        raise InputError(f"{path} is not a readable netCDF file ({text}); run again what makes it.") from error
+        raise InputError(f"{path} is not a readable netCDF file ({text}); make it again.") from error
 
 
 def _problem(name: str, variable: xr.Variable, is_coordinate: bool) -> str:
@@ -99,14 +99,14 @@ def _problem(name: str, variable: xr.Variable, is_coordinate: bool) -> str:
     if variable.dtype != np.int8 and values is None and meanings is None:
         return ""
     if variable.dtype != np.int8 or values is None or not isinstance(meanings, str):
-        return "holds flags, which need the type int8, flag_values and flag_meanings"
+        return "is a flag variable, which needs the type int8, flag_values and flag_meanings"
     words = meanings.split()
     unlike = len({*words}) == np.unique(values).size == np.size(values) == len(words)
     if np.asarray(values).dtype != np.int8 or not unlike:
-        return "needs flag_values of type int8, as many as words in flag_meanings, and no two alike"
+        return "needs distinct flag_values of type int8, one for each word of flag_meanings"
     # One value after the other: np.isin would take eight bytes for each of the hundreds of millions of cells of a map.
     if sum(np.count_nonzero(variable.values == value) for value in np.atleast_1d(values)) < variable.size:
-        return "holds a value that flag_values does not list"
+        return "contains a value that is not in flag_values"
     return ""
 
 
@@ -199,4 +199,4 @@ def on_screen(table: Any, columns: list[str], file: str) -> Iterator[str]:
     lines = ([f"{x:.5g}" if isinstance(x, float) else str(x or "") for x in row] for row in shown)
     yield in_columns(lines, *chosen)
     if left := len(table) - len(places):
-        yield f"{left} rows between these are left out; --json and {file} have all of them"
+        yield f"{left} rows between these are omitted; --json and {file} give all"

@@ -57,7 +57,7 @@ def map_attraction(
     starts = grid if isinstance(grid, Grid) else Grid.of(grid, model_of(drive).states)
     if (total := starts.x.count * starts.y.count) > MOST_CELLS:
         raise InputError(
-            f"grid has {total} cells; the allowed range is up to {MOST_CELLS}, or the tiles of the workflow."
+            f"grid has {total} cells; the allowed range is up to {MOST_CELLS}, or more in tiles by the workflow."
         )
     mapped = mapper(drive)
     if isinstance(quantities, str) or not isinstance(quantities, Sequence):
@@ -120,7 +120,7 @@ def cells(grid: Grid, found: Mapping[str, np.ndarray]) -> dict[str, cf.Variable]
     """Return what :meth:`Mapper.cells` gave of some cells as variables; in a file ``time`` is that of a motion."""
     about = {
         "label": cf.attributes("1", phase_plane.ATTRACTOR, **cf.flags(Attractor)),
-        "time": cf.attributes("s", "time until the attractor is reached", "$t$", comment="missing where it never is"),
+        "time": cf.attributes("s", "time until the attractor is reached", "$t$", comment="missing if it never is"),
         "seizures": cf.attributes("1", "number of seizures until the attractor is reached"),
         "first_event": cf.attributes("1", "first event of the motion", **cf.flags(Event, none=True)),
         "doubt": cf.attributes(

@@ -23,8 +23,8 @@ from lsvib.systems.attractor import Attractor, Doubt, SteadyState, orbit_extreme
 from lsvib.systems.motion import Budget, Motion, follow
 
 _COMMANDED = (
-    "Angles of screw and motor are those from the commanded motion, speeds are less the constant input_speed, not less "
-    "the commanded speed, so w is not the rate of u."
+    "Angles of screw and motor are relative to the commanded motion, speeds to the constant input_speed, not to the "
+    "commanded speed, so w is not the rate of u."
 )
 
 
@@ -184,6 +184,6 @@ class Simulation:
         yield f"final state: {', '.join(f'{key} = {x:.15g}' for key, x in final.items())}, {mode} (SI units)"
         yield f"events: {', '.join(f'{n} {words.plain(kind)}' for kind, n in said['events'].items()) or 'none'}"
         yield f"attractor: {words.plain(said['attractor'])}{f': {doubt}' if doubt else ''}"
-        yield f"peak normal force: {said['peak_normal_force']:.10g} N, without the impulses of seizures"
+        yield f"peak normal force: {said['peak_normal_force']:.10g} N, excluding the impulses of seizures"
         if said.get("peak_normal_impulse"):
             yield f"peak normal impulse of a seizure: {said['peak_normal_impulse']:.10g} N s"

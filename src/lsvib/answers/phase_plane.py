@@ -38,7 +38,7 @@ RULE = cf.named_index("rule", "resume rule after a seizure", RULES)
 
 def grid_axes(angle: np.ndarray, velocity: np.ndarray) -> cf.Variables:
     """Return the axes of a grid of states: u [rad] and u′ [rad/s]."""
-    u, w, words = "grid_u", "grid_w", "deviation, of the grid"
+    u, w, words = "grid_u", "grid_w", "deviation on the grid"
     rate = cf.variable(w, velocity, "rad s-1", f"rate of the {words}", r"$\dot u$")
     return {u: cf.variable(u, angle, "rad", words, "$u$"), w: rate}
 
@@ -139,7 +139,7 @@ def lines(drives: Sequence[Drive]) -> cf.Variables:
         angle, slope = ([float(-c.q_row[k] / c.q_row[0]) for c in exact] for k in (2, 1))
     stop, inertia = [-drive.input_speed for drive in drives], [float(c.gamma[1]) for c in exact]
     of_angle = "deviation at which the contact force vanishes, at zero rate"
-    of_stop = "rate of the deviation at which the screw stands still"
+    of_stop = "rate of the deviation at which the screw is at rest"
     return {
         "contact_line_angle": cf.variable("case", angle, "rad", of_angle, "$u$"),
         "contact_line_slope": cf.variable("case", slope, "s", "slope du/du' of the line of zero contact force"),

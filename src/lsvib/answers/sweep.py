@@ -33,7 +33,7 @@ _VARIABLES = {
     "amplitude": cf.attributes("rad", "amplitude of the steady vibration, half its peak-to-peak"),
     "period": cf.attributes("s", "period of the steady vibration", "$T$"),
     "multiplier": cf.attributes("1", "largest multiplier of the return map"),
-    "peak_normal_force": cf.attributes("N", "largest magnitude of the normal force, without the impulses of seizures"),
+    "peak_normal_force": cf.attributes("N", "largest magnitude of the normal force, excluding impulses of seizures"),
     "peak_normal_impulse": cf.attributes("N s", "largest magnitude of the normal impulse of a seizure"),
 }
 _BEHAVIOUR = cf.attributes("1", "what the drive does", **cf.flags(Behaviour))
@@ -50,7 +50,7 @@ def sweep(
     at_once, axes = numbers.workers(workers), numbers.axes(over, known_key)
     drives, sizes = product_of(drive, axes), tuple(map(len, axes.values()))
     first = drives.one(0)  # with the parts that are varied
-    begin: Mapping[str, float] | str = "beside steady sliding"
+    begin: Mapping[str, float] | str = "near steady sliding"
     more: cf.Variables = {}
     if start is None:
         require_direction(drives.one(int(np.abs(drives.values["input_speed"]).argmin())))

@@ -16,7 +16,7 @@ from pathlib import Path
 from pkgutil import iter_modules
 from typing import Any, NoReturn
 
-from cyclopts import App, CycloptsError
+from cyclopts import App, CycloptsError, MissingArgumentError, UnusedCliTokensError
 
 from lsvib import __version__, cli
 from lsvib.errors import LsvibError
@@ -29,7 +29,7 @@ app = App(
     result_action="return_value",
     suppress_keyboard_interrupt=False,  # an interrupt is said below
 )
-app.register_install_completion_command(help="Let the shell complete commands and options (bash, zsh, fish).")
+app.register_install_completion_command(help="Install completion of commands and options for bash, zsh or fish.")
 
 
 def main() -> None:
@@ -59,7 +59,12 @@ def run(call: Callable[[], object]) -> None:
     except KeyboardInterrupt:
         _fail("interrupted.", 130)  # as a shell reports a program that SIGINT ended
     except MemoryError:
-        _fail("there is not enough memory; take fewer cells or samples.")
+        _fail("there is not enough memory; use fewer cells or samples.")
+    except MissingArgumentError as error:
+        option = error.keyword or (error.argument and error.argument.name)
+        _fail(f"{' '.join(error.command_chain or ())} needs a value for {option}; see --help.")
+    except UnusedCliTokensError as error:
+        _fail(f"{' '.join(error.unused_tokens or ())} is not expected; to change a parameter, give --set KEY=VALUE.")
     except (CycloptsError, LsvibError) as error:
         _fail(str(error))
     except OSError as error:

@@ -92,7 +92,7 @@ def thresholds(
     solve: Annotated[str | None, Parameter(help=f"One threshold by name: {', '.join(TABLE)}.")] = None,
     unknown: Annotated[
         str | None,
-        Parameter(name="--for", help="Parameter to solve for, all others held; by default the usual one of each."),
+        Parameter(name="--for", help="Parameter to solve for; by default the usual one of each threshold."),
     ] = None,
     as_json: AsJson = False,
 ) -> None:

@@ -18,7 +18,7 @@ def draw(
     file: Annotated[Path, Parameter(help="netCDF file of a motion, sweep, branch of cycles or map.")],
     figure: Annotated[Path, Parameter(help="PNG file to draw it to; a PDF is written beside it.")],
     *,
-    kind: Annotated[str | None, Parameter(help="Of motions: phase_plane or friction_loop, else over time.")] = None,
+    kind: Annotated[str | None, Parameter(help="Of a motion: phase_plane or friction_loop, else over time.")] = None,
 ) -> None:
     """Draw a file that another command wrote.
 
@@ -45,9 +45,9 @@ def figure(
     """Build one figure, of the chapter or beyond it: its dataset, its checks, and the picture as PNG and PDF.
 
     The files are FOLDER/fig8_06.nc, fig8_06_checks.json, fig8_06.png and fig8_06.pdf; the results of the workflow stay
-    as they are. The settings are those of the file config/config.yaml if there is one here, else those that come with
-    lsvib. With changed parameters the chapter no longer applies, so its checks are reported, not enforced. A
-    parameter that the figure varies itself, or does not depend on, cannot be changed.
+    as they are. Settings come from config/config.yaml in the current folder, else from the copy in lsvib. With changed
+    parameters the chapter no longer applies, so its checks are reported, not enforced. A parameter that the figure
+    varies itself, or does not depend on, cannot be changed.
 
     Examples of use:
 
@@ -109,7 +109,7 @@ def _changed_drive(number: str, name: str, section: Mapping[str, Any], changes: 
         if key in settings.unused:
             raise InputError(
                 f"figure {number} does not depend on {key} of its drive, so --set {key} would change nothing; what it "
-                "varies itself stands in its section of the settings, see --config."
+                "varies is in its section of the settings, see --config."
             )
     given = section.get("drive", {})
     Drive.of(changed(given, changes))  # refuses a key or a value with the words of the other commands

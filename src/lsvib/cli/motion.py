@@ -14,7 +14,7 @@ from lsvib.words import plain
 
 Quantities = Annotated[
     list[Literal["label", "time", "seizures", "first_event", "doubt"]],
-    Parameter(consume_multiple=True, negative="", help="What to store for each cell; the label always is."),
+    Parameter(consume_multiple=True, negative="", help="What to store for each cell besides the label."),
 ]
 
 
@@ -87,7 +87,7 @@ def sweep(
 
     files = options.Files(out, figure, reads=system)
     if figure and len(over) > 2:
-        raise InputError("figure is for sweeps over one or two parameters; leave it out for more.")
+        raise InputError("figure needs a sweep over one or two parameters; leave it out for more.")
     if system:
         own, begin = _system(system, changes, start)
         found = own.sweep(*begin, progress=ProgressLine("motions"), **options.values_of(over))
@@ -109,8 +109,8 @@ def cycles(
     changes: options.Changes = None,
     system: options.SystemFile = None,
     start: options.Start = None,
-    box: Annotated[options.Window, Parameter(help="Of a system: KEY=LOW:HIGH of states, to draw starts from.")] = None,
-    count: Annotated[options.Whole, Parameter(help="Of a system: number of starts to draw from the box.")] = 100,
+    box: Annotated[options.Window, Parameter(help="Of a system: KEY=LOW:HIGH of states, for random starts.")] = None,
+    count: Annotated[options.Whole, Parameter(help="Of a system: number of random starts in the box.")] = 100,
     seed: Annotated[options.Whole, Parameter(help="Of a system: seed of the random starts.")] = 0,
     as_json: options.AsJson = False,
 ) -> None:
@@ -125,7 +125,7 @@ def cycles(
     if system:
         own, begin = _system(system, changes, start)
         ends = own.cycles([] if box else [begin], box=dict(box or ()), count=count, seed=seed)
-        lines = [f"Searched: motions from {sum(end.starts for end in ends)} starts; there may be other ends."]
+        lines = [f"Starts searched: {sum(end.starts for end in ends)}; there may be other attractors."]
         lines += [line for end in ends for line in (*end.text(), f"  reached from {end.starts} of them")]
         return show({"ends": [end.to_json() | {"starts": end.starts} for end in ends]}, as_json, lines)
     found = options.drive_of(changes, start=start, box=box).cycles()
@@ -138,14 +138,14 @@ def follow(
     over: options.Ends,
     changes: options.Changes = None,
     cycle: Annotated[options.Whole, Parameter(help="Number of the cycle in the list of lsvib cycles, from 1.")] = 1,
-    points: Annotated[options.Whole, Parameter(help="Largest number of points each way.")] = 1000,
+    points: Annotated[options.Whole, Parameter(help="Most points in each direction.")] = 1000,
     out: options.OutFile | None = None,
     figure: options.Picture = None,
     system: options.SystemFile = None,
     start: options.Start = None,
     as_json: options.AsJson = False,
 ) -> None:
-    """Follow a limit cycle over a parameter, both ways, and name its folds and the changes of its events.
+    """Follow a limit cycle over a parameter, both ways, and list its folds and changes of events.
 
     Examples of use:
 
@@ -161,7 +161,7 @@ def follow(
         own, begin = _system(system, changes, start)
         end = own.steady_state(*begin)
         if end.cycle is None:
-            raise InputError(f"the motion from the start ends on no cycle ({end.label}), so there is none to follow.")
+            raise InputError(f"the motion from the start does not end on a cycle ({end.label}); choose another start.")
         branch = own.follow(end, *over, points=points, progress=ProgressLine("points"))
     else:
         made = options.drive_of(changes, start=start)
@@ -204,7 +204,7 @@ def attraction(
         own, (mode, _) = _system(system, changes, start)
         return _tell_kinds(own.map(dict(grid), mode, progress=ProgressLine()), files, as_json)
     if figure and {key for key, values in grid if isinstance(values, tuple)} != {"u", "w"}:
-        raise InputError("figure is for maps of u and w; leave it out for a plane of other coordinates.")
+        raise InputError("figure needs a map over u and w; leave it out for other coordinates.")
     asked, begin = [*quantities, "doubt"], perf_counter()
     made = options.drive_of(changes, start=start)
     found = made.attraction(dict(grid), quantities=asked, workers=workers, progress=ProgressLine())
@@ -247,7 +247,7 @@ def _simulate_system(own: Any, start: Any, duration: float | None, samples: int 
     from lsvib.variables import counted, flag_names
 
     if duration is None:
-        raise InputError("simulate needs a duration.")
+        raise InputError("simulate needs --duration, in seconds.")
     found, end = own.simulate(*start, duration, samples=samples or 1001), own.steady_state(*start)
     files.write(found, "lsvib.simulate")
     last, events = found.isel(time=-1), counted(found.event_kind)

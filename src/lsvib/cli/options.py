@@ -67,7 +67,7 @@ def start_of(given: list[Coordinate] | None) -> "dict[str, float] | Literal['res
     """Return what was given as a start: coordinates by name, the word rest, or nothing."""
     found = dict(given or ())
     for word in (key for key, value in found.items() if value != value):
-        raise InputError(f"{word!r} is not of the form KEY=NUMBER.")
+        raise InputError(f"{word!r} is neither of the form KEY=NUMBER nor the word rest.")
     return "rest" if list(found) == ["rest"] else found or None
 
 
@@ -105,12 +105,12 @@ Start = Annotated[
     list[Coordinate] | None,
     several(
         _started,
-        "State at t = 0: u=RAD w=RAD_PER_S ..., or rest, as switched on; of a system its mode and states.",
+        "State at t = 0: u=RAD w=RAD_PER_S ..., or rest; of a system its mode and states.",
         consume_multiple=True,
     ),
 ]
 Over = Annotated[list[Steps], several(_steps, "KEY=START:STOP:COUNT: a parameter to vary; repeatable.")]
-Ends = Annotated[Span, one(_span, "KEY=LOW:HIGH: the parameter and its range, which holds the drive's own value.")]
+Ends = Annotated[Span, one(_span, "KEY=LOW:HIGH: the parameter and its range, around the drive's own value.")]
 Window = Annotated[
     list[Span] | None, several(_span, "Part of the phase plane: u=LOW:HIGH w=LOW:HIGH.", consume_multiple=True)
 ]
@@ -139,7 +139,7 @@ def drive_of(changes: list[Pair] | None, **others: Any) -> "Drive":
     from lsvib.api import Drive
 
     for key in (key for key, given in others.items() if given):
-        raise InputError(f"{key} is for systems, which --system names.")
+        raise InputError(f"--{key} needs --system.")
     return Drive.of(dict(changes or ()))
 
 
@@ -150,7 +150,7 @@ def refuse_varied(changes: list[Pair] | None, over: list[Steps]) -> None:
     if "friction" in values:
         given |= stated(values["friction"]).keys()
     for key in dict(over).keys() & given:
-        raise InputError(f"{key} is varied and given by --set; give it once.")
+        raise InputError(f"{key} is both varied and set; give it once.")
 
 
 def values_of(over: list[Steps]) -> "dict[str, np.ndarray]":
@@ -174,14 +174,14 @@ def refuse_results_of_the_workflow(*files: Path | None) -> None:
         except (OSError, ValueError):
             continue  # it cannot be written at all, which is said where it would be written
         if any(folder.name == "results" and (folder.parent / "Snakefile").is_file() for folder in above):
-            raise InputError(f"{file.parent} belongs to the workflow, which fills it by itself; name another folder.")
+            raise InputError(f"{file.parent} belongs to the workflow; choose another folder.")
 
 
 def require_folder(out: Path | None, files: str) -> None:
     """Refuse a folder of the workflow, and the name of a file; ``files`` says what the command writes."""
     refuse_results_of_the_workflow(out and out / files)
     if out is not None and out.suffix in (".csv", ".nc", ".json", ".html", ".png", ".pdf"):
-        raise InputError(f"out = {out} is the name of a file; this command writes {files} to a folder.")
+        raise InputError(f"out = {out} names a file, but this command writes {files} to a folder.")
 
 
 class Files:
@@ -194,12 +194,12 @@ class Files:
 
         refuse_results_of_the_workflow(out, figure)
         if figure is not None and figure.suffix != ".png":
-            raise InputError(f"figure = {figure} does not end in .png; a PDF is written beside it.")
+            raise InputError(f"figure = {figure} must end in .png; a PDF is written beside it.")
         self.out, self.figure = out, figure
         self.paths = [path for path in (out, figure, figure and figure.with_suffix(".pdf")) if path]
         check_outputs(self.paths, [reads] if reads else [])
         if out is not None and out.suffix not in ends:
-            raise InputError(f"out = {out} does not end in {' or '.join(ends)}.")
+            raise InputError(f"out = {out} must end in {' or '.join(ends)}.")
 
     def write(self, dataset: "xr.Dataset", command: str = "lsvib", kind: str | None = None) -> None:
         """Write a dataset, and the picture of it, of a ``kind``."""

@@ -54,12 +54,12 @@ def fit(
 def assess(
     sheet: Annotated[Path | None, Parameter(help="Data sheet (YAML), or variants (CSV); docs/assess.md.")] = None,
     *,
-    base: Annotated[Path | None, Parameter(help="Data sheet with what a CSV file of variants leaves out.")] = None,
-    out: Annotated[Path | None, Parameter(help="Folder for page, dataset and JSON; of variants a CSV file.")] = None,
+    base: Annotated[Path | None, Parameter(help="Data sheet with the entries that all variants share.")] = None,
+    out: Annotated[Path | None, Parameter(help="Folder for page, dataset and JSON; for variants a CSV file.")] = None,
     template: Annotated[bool, Parameter(negative="", help="Print a data sheet to fill in, and nothing else.")] = False,
     samples: Annotated[Whole | None, Parameter(help="Drives drawn, a power of two: 4096, 64 per variant.")] = None,
     seed: Annotated[Whole, Parameter(help="Seed of the random draws.")] = 1,
-    units: Annotated[Literal["si", "us"], Parameter(help="us: adds in, lbf, lbf·in and others to SI units.")] = "si",
+    units: Annotated[Literal["si", "us"], Parameter(help="us: add US units (in, lbf, lbf·in) to SI units.")] = "si",
     solve: Annotated[str | None, Parameter(help="Entry of the sheet to solve for, such as load.force.")] = None,
     goal: Annotated[str | None, Parameter(name="--for", help="Row of statics at its limit, or ROW=VALUE.")] = None,
     as_json: AsJson = False,
@@ -89,7 +89,7 @@ def assess(
         _assess_variants(sheet, base, out, 64 if samples is None else samples, seed, as_json)
         return
     if base is not None:
-        raise InputError("--base is for a CSV file of variants; a data sheet has all its entries itself.")
+        raise InputError("--base needs a CSV file of variants; a single data sheet is complete.")
     if as_json and units == "us":
         raise InputError("lsvib assess --json prints SI units only; leave out --json or --units us.")
     if (solve is None) != (goal is None):
@@ -120,7 +120,7 @@ def _assess_variants(table: Path, base: Path | None, out: Path | None, samples: 
 def explore(
     file: Annotated[
         Path | None,
-        Parameter(help="YAML file to begin with: a scene, or a data sheet, of which assess tells a motion."),
+        Parameter(help="YAML file to start from: a scene, or a data sheet with the motion that assess finds."),
     ] = None,
     *,
     port: Annotated[Whole, Parameter(help="Port to serve the page at; 0 takes a free one.")] = 5006,
@@ -144,7 +144,9 @@ def view_of(file: Path) -> Any:
 
     values = read_yaml(file)
     if "modes" in values:
-        raise InputError(f"{file} is a system, not a scene or a data sheet; lsvib simulate --system --figure draws it.")
+        raise InputError(
+            f"{file} is a system, not a scene or data sheet; draw it with lsvib simulate --system --figure."
+        )
     if "drive" not in values:
         with _installed("explore with a sheet", "assess"):
             from lsvib.sheets import assessment, sheet

@@ -16,7 +16,7 @@ def keys_of(drive: Drive) -> dict[str, Any]:
     """Return the keys of the system that a drive is; raises ``InputError`` for one of which none is made."""
     threads, given = "threads" in drive.parts, drive.__dict__
     if other := [IN_WORDS[x] for x in drive.parts if x != "threads"] + [x for x in (*OF_SPEED, *DRY) if given[x]]:
-        raise InputError(f"the drive has {other[0]}; a system is made of rigid or compliant threads with one friction.")
+        raise InputError(f"the drive has {other[0]}; only rigid or compliant threads with one friction make a system.")
     known = {"mu_s": "mu"} | {described(key)["symbol"]: value for key, value in drive if key != "lead_angle"}
     known |= {"lead": drive.lead_angle, "t": "tan(lead)"}
     for s, law in (("plus", ""), ("minus", "-")):

@@ -51,12 +51,12 @@ def automaton_of(
     double precision.
     """
     if resume != "contact_sign" and not drive.rigid:
-        raise InputError(f"resume = {resume!r} is known of the rigid drive only; others know contact_sign.")
+        raise InputError(f"resume = {resume!r} needs a rigid drive; for others give contact_sign.")
     evenly = drive.rigid and drive.input_speed and not (command or friction.depends_on_speed(drive))
     if not rest and not (evenly and not coefficients(drive).paradox):
         raise InputError(
-            "physics leaves out rest, which only a rigid drive below its critical mass may do, if its motor turns "
-            "evenly and friction does not depend on the speed; list rest."
+            "physics must list rest; only a rigid drive below its critical mass that turns at constant speed, with "
+            "friction that does not depend on speed, may leave it out."
         )
     return _made(drive, resume, command, rest)
 
@@ -100,16 +100,15 @@ class LawModes(Modes):
             return (math.inf if sign(low) else 0.0), math.inf
         if found.shape[-2] > 1:
             raise InputError(
-                "friction leaves the Painlevé region in two ranges of speed, with the region between them; such drives "
-                "are not followed."
+                "friction leaves the Painlevé region in two ranges of speed; such drives cannot be simulated."
             )
         return low, high
 
     def _refuse(self) -> None:
         for name in self.m.own:
             raise InputError(
-                f"{self._given(name)} is not followed where friction of the threads depends on speed; leave friction "
-                f"of the {name} out, or stribeck_rise and friction_slope at zero."
+                f"{self._given(name)} cannot be combined with thread friction that depends on speed; set friction of "
+                f"the {name}, or stribeck_rise and friction_slope, to zero."
             )
 
     def _parts(self, modes: dict[str, Mode], seen: dict[str, dict[str, Row]]) -> dict[str, dict[str, Row]]:

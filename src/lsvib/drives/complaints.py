@@ -10,7 +10,8 @@ from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, ValidationErro
 from pydantic_core import PydanticCustomError, core_schema
 
 from lsvib.errors import InputError
-from lsvib.numbers import NotNumber, shown
+from lsvib.numbers import EXAMPLES, NotNumber, shown
+from lsvib.words import with_unit
 
 _NO_TYPE = {  # complaint of pydantic: what the value should be
     "float_type": "a number, such as 5 or 1.0e-3",
@@ -141,20 +142,23 @@ def sentence_about(model: type[BaseModel], error: ValidationError, place: Sequen
     for part in parts[:-1]:
         if part in model.model_fields:
             model = next(_models(model.model_fields[str(part)].annotation), model)
-    last = parts[-1] if parts else ""
+    last = str(parts[-1]) if parts else ""
     choices = context.get("expected", "").replace("'", "")
     if kind in ("extra_forbidden", "invalid_key") or "[key]" in first["loc"]:
         known = f"the known keys are {choices}" if choices else meant(model, last)
         return f"{key} is not a known key; {known}."
     if kind == "missing":
-        return f"{key} is missing."
+        return f"{key} is missing{f'; give one{EXAMPLES[key]}' if key in EXAMPLES else ''}."
     if kind == "literal_error":
         return f"{key} = {value} is not one of {choices}."
     if kind in _NO_TYPE:
         return f"{key} = {value} is not {_NO_TYPE[kind].format(**context)}."
     if kind == "of_the_whole":
         return f"{key} {first['msg']}."
-    allowed = allowed_range(model, last) if last in model.model_fields else _in_words("value", context)
+    field = model.model_fields.get(last)
+    allowed = allowed_range(model, last) if field else _in_words("value", context)
+    if field and isinstance(field.json_schema_extra, Mapping):
+        allowed = with_unit(allowed, str(field.json_schema_extra["unit"]))
     if isinstance(cause, NotNumber):
         return f"{key} = {value} {cause}{'; the allowed range is ' if allowed else ''}{allowed}."
     if allowed and kind != "of_the_value":

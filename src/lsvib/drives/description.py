@@ -103,15 +103,15 @@ def _threads(drive: Drive, mechanism: Mechanism) -> list[str]:
     levers = [float(mechanism.lever(law, mechanism.slowest)) for law in (1, -1)]
     lines = [
         f"slip: τ = {levers[0]:.6g} n where n ({slip}) > 0, τ = {levers[1]:.6g} n where it is < 0",
-        f"rest: {slip} = 0 while static friction, μ = {float(mechanism.d.static_friction):.6g}, holds",
+        f"rest: {slip} = 0 while static friction holds, μ = {float(mechanism.d.static_friction):.6g}",
     ]
     of = {"slide": ("x′ = 0", "N"), "bearing": ("θ′ = 0", "N m")}
     for name, holding in mechanism.holding.items():
         (speed, unit), most = of[name], f"{float(holding):.6g}"
         if name in mechanism.own:
-            lines.append(f"held: {speed} while friction of the {name}, up to {most} {unit}, holds")
+            lines.append(f"held: {speed} while friction of the {name} holds, up to {most} {unit}")
         else:
-            lines.append(f"rest: the {name} holds up to {most} {unit}, and lets go together with the threads")
+            lines.append(f"rest: the {name} holds up to {most} {unit}, and breaks loose together with the threads")
     if friction.depends_on_speed(drive):
         lines[0] += ", at slow sliding"
     if mechanism.compliant:

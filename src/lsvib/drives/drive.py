@@ -258,13 +258,13 @@ class Drive(Checked):
             raise InputError(f"collar_friction = {self.collar_friction:g} needs collar_radius > 0.")
         if self.collar_friction and (comply := [part for part in self.parts if part != "motor"]):
             raise InputError(
-                f"collar_friction = {self.collar_friction:g} is not followed with {IN_WORDS[comply[0]]}: the force "
-                "on the collar is then not that of the threads, or it turns otherwise; take one of them out."
+                f"collar_friction = {self.collar_friction:g} cannot be combined with {IN_WORDS[comply[0]]}: "
+                "the force or the speed at the collar then differs; leave one of them out."
             )
         if self.coupling_damping and self.motor_inertia is None:
             raise InputError(
-                f"coupling_damping = {self.coupling_damping:g} needs a motor (motor_inertia, integral_gain), against "
-                "which it acts; without one support_damping is damping."
+                f"coupling_damping = {self.coupling_damping:g} needs a motor (motor_inertia, integral_gain); "
+                "without one, give support_damping."
             )
         limit = 1 / math.tan(self.lead_angle)
         if not self.friction_coefficient < limit:
@@ -357,7 +357,7 @@ def require_direction(drive: Drive) -> None:
     if not drive.input_speed:
         raise InputError(
             "input_speed = 0 holds the motor still, so there is no steady sliding; set a speed, "
-            "or follow motions from a start (simulate, sweep, attraction)."
+            "or compute motions from a start (simulate, sweep, attraction)."
         )
 
 

@@ -46,10 +46,10 @@ def refusal(d: Any, rest: bool = True, law: bool = False) -> str:
     ``rest``: whether it is also about rest, and so about static friction; ``law``: whether it holds under a law.
     """
     if not law and depends_on_speed(d):
-        return "holds for friction that does not depend on speed"
+        return "is computed only for friction that does not depend on speed"
     static = d.static_friction_coefficient
     if rest and sign(static) and sign(static - slowest(vars(d))):
-        return "holds for static friction that is not above that of sliding"
+        return "is computed only for static friction that does not exceed sliding friction"
     return ""
 
 

@@ -115,15 +115,15 @@ class Modes:
         m = self.m
         for name in m.own if self.seizes else ():
             raise InputError(
-                f"{self._given(name)} needs a drive outside the Painlevé region: inside, the threads can seize, and "
-                f"what follows is not determined while the {name} holds."
+                f"{self._given(name)} needs a drive outside the Painlevé region: inside it the threads can seize, and "
+                f"while the {name} sticks, what follows a seizure is not determined."
             )
         if "slide" in m.own and not m.compliant:
             inertia, mass = m.effective(["slide"])
             if sign(inertia - m.turned * mass, "screw_mass") <= 0:
                 raise InputError(
-                    f"{self._given('slide')} needs screw_mass < {size_of(inertia / m.turned):.6g} kg: above, the "
-                    "threads jam while the slide is held, and the motion is not determined."
+                    f"{self._given('slide')} needs screw_mass < {size_of(inertia / m.turned):.6g} kg: above "
+                    "that, the threads jam while the slide sticks, and the motion is not determined."
                 )
 
     def _given(self, body: str) -> str:

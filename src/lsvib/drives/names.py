@@ -19,13 +19,13 @@ COORDINATES = {  # of each part: the names of its displacement and of the rate o
 WORDS = {  # long name, unit and symbol of each coordinate, and of the speed that a command gives
     "u": ("deviation of the coupling deflection from steady sliding", "rad", "$u$"),
     "w": ("rate of the deviation from steady sliding", "rad s-1", r"$\dot u$"),
-    "motor_angle": ("angle of the motor from the commanded motion, less that of steady sliding", "rad", r"$\theta_m$"),
-    "motor_rate": ("angular speed of the motor less input_speed", "rad s-1", r"$\dot\theta_m$"),
+    "motor_angle": ("angle of the motor from the commanded motion, minus that of steady sliding", "rad", r"$\theta_m$"),
+    "motor_rate": ("angular speed of the motor minus input_speed", "rad s-1", r"$\dot\theta_m$"),
     "screw_shift": ("axial shift of the screw from steady sliding", "m", "$y$"),
     "shift_rate": ("rate of the axial shift of the screw", "m s-1", r"$\dot y$"),
     "nut_angle": ("angle of the nut from steady sliding", "rad", r"$\varphi$"),
     "nut_rate": ("angular speed of the nut", "rad s-1", r"$\dot\varphi$"),
-    "thread_mismatch": ("mismatch of nut and screw along the axis", "m", "$e$"),
+    "thread_mismatch": ("axial mismatch of nut and screw", "m", "$e$"),
     "mismatch_rate": ("rate of the mismatch of nut and screw", "m s-1", r"$\dot e$"),
     "commanded_speed": ("commanded angular speed", "rad s-1", r"$\Omega(t)$"),
 }

@@ -34,7 +34,7 @@ TABLE = {
     "coupling_torque": Observable(("torque of the coupling", "N m", "$T_r$"), lambda m, _: m.coupling_torque),
     "coupling_deflection": Observable(("coupling deflection", "rad", "$z$"), lambda m, _: m.deflection),
     "screw_speed": Observable(("angular speed of the screw", "rad s-1", r"$\dot\theta$"), lambda m, _: m.speed),
-    "load_place": Observable(("place of the load", "m", "$x$"), lambda m, _: m.nut_place, carried=True),
+    "load_place": Observable(("position of the load", "m", "$x$"), lambda m, _: m.nut_place, carried=True),
     "load_speed": Observable(("speed of the load", "m s-1", r"$\dot x$"), lambda m, _: m.nut_speed),
     "sliding_speed": Observable(("sliding speed of the threads", "m s-1", "$v$"), lambda m, _: m.sliding),
     "friction_torque": Observable(("friction torque of threads and collar", "N m", "$T_f$"), Mechanism.rubbing, True),

@@ -49,7 +49,7 @@ class Command(Checked):
         """Check what couples times and speeds."""
         times = np.array(self.times)
         if len(self.speeds) != times.size:
-            raise InputError(f"command has {times.size} times and {len(self.speeds)} speeds; give one for each.")
+            raise InputError(f"command has {times.size} times but {len(self.speeds)} speeds; give one for each.")
         if times[0] < 0 or times[-1] > 1e9 or (np.diff(times) < 0).any() or (times[2:] == times[:-2]).any():
             raise InputError("command.times must ascend within 0 <= time <= 1e9 s, with no time more than twice.")
         if np.abs(self.speeds).max() > 1e9:
@@ -151,7 +151,7 @@ class Scene(Checked):
         for key, words in (("physics", (*definition.terms, *definition.options)), ("outputs", definition.outputs)):
             for word in getattr(self, key) or ():
                 if word not in words:
-                    raise InputError(f"{key} has the word {word!r}; this drive knows {', '.join(words)}.")
+                    raise InputError(f"{key} cannot have {word!r}; of this drive it can have {', '.join(words)}.")
         for term in definition.terms:
             value = getattr(self.drive, term)
             if self.physics is not None and term not in self.physics and value != 0:

@@ -27,26 +27,26 @@ class Known:
 
 TABLE = {
     "even_speed": Known(
-        "On one side of it the motion from rest, as when switched on, ends in steady sliding, on the other it "
-        "does not.", "input_speed", drawn=True, constant=True,
+        "On one side the motion from rest ends in steady sliding, on the other it does not.", "input_speed", drawn=True,
+        constant=True,
     ),
-    "onset": Known("Steady sliding attracts what is near on one side of it and repels it on the other.", drawn=True),
+    "onset": Known("Steady sliding is asymptotically stable on one side, but not on the other.", drawn=True),
     "kinematic_constraint": Known(
         "Beyond it the effective inertia of law + is not positive: Painlevé's paradox, and the threads may jam.",
         "mass", drawn=True,
     ),
-    "flutter": Known("On one side of it a pair of eigenvalues grows, while all others decay.", "mass", rigid=False),
+    "flutter": Known("A pair of eigenvalues crosses the imaginary axis while all others decay.", "mass", rigid=False),
     "negative_damping": Known(
         "Slip under law + grows where the effective damping is negative.", "support_damping", rigid=True, drawn=True,
         constant=True,
     ),
     "stick": Known(
-        "From the onset to this force slip has an attracting cycle that does not come to rest; beyond it slip comes to "
-        "rest.", rigid=True, drawn=True, constant=True,
+        "Between the onset and this force, slip has an attracting cycle without rest; beyond it slip comes to rest.",
+        rigid=True, drawn=True, constant=True,
     ),
     "detach": Known(
-        "From the onset to this force slip from the end of rest reaches N = 0; beyond it the stick-slip cycle does "
-        "not.", rigid=True, drawn=True, constant=True, rest=True,
+        "Between the onset and this force, slip from the end of rest reaches N = 0; beyond it the stick-slip cycle "
+        "does not.", rigid=True, drawn=True, constant=True, rest=True,
     ),
     "global_stability": Known(
         "Under every smaller force all motions end in steady sliding; from this force to the onset, "

@@ -38,7 +38,7 @@ class AttractsNothing(InputError):
     """Steady sliding is not asymptotically stable, so it has no basin; ``neutral``: motions near it do not grow."""
 
     def __init__(self, why: str, neutral: bool) -> None:
-        super().__init__(f"steady sliding attracts nothing in this drive: {why}.")
+        super().__init__(f"steady sliding of this drive attracts no motion: {why}.")
         self.neutral = neutral
 
 
@@ -122,8 +122,8 @@ def basin(drive: Drive) -> Basin:
     """Compute the basin of steady sliding as :meth:`lsvib.Drive.basin`; it is the same under both resume rules."""
     if not drive.rigid:
         raise InputError(
-            "the boundary of the basin is known for rigid drives without friction of slide, bearing and collar only; "
-            "attraction maps that of any other."
+            "the boundary of the basin is computed only for rigid drives without friction of slide, bearing and "
+            "collar; for others, map the basin with attraction."
         )
     if wanted := friction.refusal(drive, law=True):
         raise InputError(f"the boundary of the basin {wanted}.")
@@ -132,7 +132,7 @@ def basin(drive: Drive) -> Basin:
     c = coefficients(drive)
     if c.net_force == 0:
         raise InputError(
-            "axial_force balances the translation damping exactly, so the contact carries no force and no law holds."
+            "axial_force balances the translation damping exactly, so the contact carries no force and no friction."
         )
     law = friction.depends_on_speed(drive)
     damping, gamma = c.damping[c.steady_law], c.gamma[c.steady_law]
@@ -157,8 +157,8 @@ def _under_law(drive: Drive, c: Coefficients) -> tuple[Boundary, list[Curve]]:
     mode = int(np.argmax(flow.settled_level))
     if not (level := float(flow.settled_level[mode])) > 0:
         if not (found := stability(drive)).stable:
-            raise AttractsNothing("what disturbs it does not die away", max(x.real for x in found.eigenvalues) == 0)
-        raise InputError("no start beside steady sliding is known to settle; the basin of such a drive is not covered.")
+            raise AttractsNothing("perturbations do not die away", max(x.real for x in found.eigenvalues) == 0)
+        raise InputError("no start near steady sliding is known to settle, so its basin cannot be computed.")
     start = 0.5 * math.sqrt(level / flow.settled_form[mode, 0, 0])
     arcs = _wind_up(drive, backward_under_law(drive), np.array([start, 0.0]), mode)
     return (Boundary.CYCLE, [[*arcs]]) if arcs else (Boundary.NONE, [])
@@ -171,7 +171,7 @@ def _continuous(drive: Drive, c: Coefficients) -> tuple[Boundary, list[Curve]]:
     if not turns:
         raise InputError(
             f"translation_damping = {drive.translation_damping:g} is so large that slip under law + may grow for ever "
-            "without a turn; the basin of such a drive is not covered."
+            "without turning back; the basin of such a drive cannot be computed."
         )
     if automaton_of(drive).contracts:  # areas shrink everywhere, so there is no closed orbit
         return Boundary.NONE, []
@@ -204,7 +204,7 @@ def _in_paradox(drive: Drive, c: Coefficients) -> tuple[Boundary, list[Curve]]:
     if c.q_row[1] <= 0:
         raise InputError(
             f"translation_damping = {drive.translation_damping:g} is not below support_damping * mass / screw_inertia, "
-            "so that seizures lead into backward slip; the basin of such a drive is not covered."
+            "so seizures lead to backward slip; the basin of such a drive cannot be computed."
         )
     with many_digits():  # else slip from θ′ = 0 may settle although release from rest does not
         upper, d = 1 if drive.axial_force >= 0 else -1, drive.exact()
@@ -212,13 +212,13 @@ def _in_paradox(drive: Drive, c: Coefficients) -> tuple[Boundary, list[Curve]]:
         released = torque / d.coupling_stiffness
     if not float(trace.before[0, 0]) < released:
         raise InputError(
-            f"axial_force = {drive.axial_force:g} has the sign of input_speed although the net force has not, and rest "
-            "does not settle; the basin of such a drive is not covered."
+            f"axial_force = {drive.axial_force:g} has the sign of input_speed, but the net force has not, and rest "
+            "does not settle; the basin of such a drive cannot be computed."
         )
     if ended and trace.before[-1, 1] == drive.input_speed and trace.end_state[0] < touch[0]:
         raise InputError(
-            f"support_damping = {drive.support_damping:g} is so large that doubles do not determine where slip from "
-            "screw speed 0 comes from; the basin of such a drive is not covered."
+            f"support_damping = {drive.support_damping:g} is so large that slip from screw speed 0 cannot be traced "
+            "back in double precision; the basin of such a drive cannot be computed."
         )
     if not ended:
         arcs = _wind_up(drive, back, start, mode)
@@ -246,7 +246,7 @@ def _touch(drive: Drive, c: Coefficients) -> tuple[arb, arb] | None:
         if at_stand >= 0 or kappa <= 0:
             raise InputError(
                 f"translation_damping = {drive.translation_damping:g} is so large that slip crosses the line of no "
-                "contact force in the opposite direction; the basin of such a drive is not covered."
+                "contact force in the opposite direction; the basin of such a drive cannot be computed."
             )
         w = -rho / kappa
         return -(q_w * w + q_0) / q_u, w
@@ -280,12 +280,12 @@ def _wind_up(drive: Drive, back: Automaton, start: NDArray[np.float64], mode: in
         return []
     if not chunk:
         raise InputError(
-            "the motion backwards from steady sliding comes to speeds at which this friction law reaches the Painlevé "
-            "region, or goes away without a turn; the basin of such a drive is not covered."
+            "followed back from steady sliding, the motion reaches speeds at which this friction law enters the "
+            "Painlevé region, or never turns; the basin of such a drive cannot be computed."
         )
     raise InputError(
         f"support_damping = {drive.support_damping:g} and translation_damping = {drive.translation_damping:g} change a "
-        "motion so little in a turn that the boundary of the basin cannot be followed to its end."
+        "motion so little in each turn that the boundary of the basin cannot be followed to its end."
     )
 
 

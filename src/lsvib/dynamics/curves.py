@@ -64,12 +64,12 @@ class Window(NamedTuple):
         if isinstance(given, Window):
             given = {"u": (given.left, given.right), "w": (given.bottom, given.top)}
         if not isinstance(given, Mapping) or set(given) != {"u", "w"}:
-            raise InputError(f"window = {numbers.shown(given)} does not give the ends of u and of w.")
+            raise InputError(f"window = {numbers.shown(given)} is not a range of u and one of w.")
         ends: list[float] = []
         for name in ("u", "w"):
             pair = given[name]
             if not isinstance(pair, tuple | list) or len(pair) != 2:
-                raise InputError(f"window {name} = {numbers.shown(pair)} is not a low and a high end.")
+                raise InputError(f"window {name} = {numbers.shown(pair)} is not a pair of low and high ends.")
             low, high = (numbers.start(f"window {name}", value) for value in pair)
             if not low < high:
                 raise InputError(f"window {name} = {low:g} to {high:g} is outside the allowed range low < high.")

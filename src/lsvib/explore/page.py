@@ -40,12 +40,12 @@ if (link) window.history.replaceState(null, "", link.getAttribute("href"));
 _HEADING = """
 <h1 style="font-size:1.3em;margin:0 0 .2em">lsvib explorer</h1>
 A motor turns a screw through a spring, the screw pushes a mass, and its threads rub. Drag a slider to change the drive;
-click in the phase plane to push the screw: colours show where the motion from there ends.
+click in the phase plane to start a motion there. Colours show what each start ends on.
 """
 _TEMPLATE = """{% block preamble %}<meta name="viewport" content="width=device-width, initial-scale=1">
 <link rel="icon" href="data:,"><style>[inert] {opacity: .3}</style>{% endblock %}
 {% block contents %}<main>{{ super() }}</main>{% endblock %}"""
-_COMPILING = "The engine for such a drive is being loaded, or compiled at its first use, which takes a minute."
+_COMPILING = "Loading the engine for this drive; at its first use it is compiled, which takes a minute."
 # Seen on a telephone beside the sliders, too.
 _ALERT = {"color": "#B00020", "background": "white", "position": "fixed", "inset": "0 0 auto", "z-index": "9"}
 _NARROW = {"sizing_mode": "scale_width", "max_width": 640, "min_width": 320}  # as narrow as a telephone
@@ -210,7 +210,7 @@ class Page:
         async def found(work: Callable[..., Any], *of: Any) -> Any:
             """What a piece of work returns, done in a thread while pages answer."""
             if perf_counter() > until:
-                raise InputError("This would take over half a minute; use lsvib attraction or sweep.")
+                raise InputError("This would take over half a minute; use lsvib attraction or lsvib sweep.")
             result = await get_running_loop().run_in_executor(THREAD, partial(work, *of))
             if view is not self.view:  # another one is shown by now
                 raise CancelledError
@@ -260,11 +260,11 @@ class Page:
             speeds, coefficients, visited = answers.friction_visited(view.drive, shown)
             speeds, coefficients = speeds[visited], coefficients[visited]
             words.append(
-                f"The threads slide at {speeds[0]:.3g} to {speeds[-1]:.3g} m/s, with a coefficient of "
+                f"The threads slide at {speeds[0]:.3g} to {speeds[-1]:.3g} m/s, with a friction coefficient of "
                 f"{coefficients.min():.3g} to {coefficients.max():.3g}."
             )
         if answers.laborious(view.drive):
-            words.append("The map is left out here: with a friction law and compliant parts it takes too long; use")
+            words.append("No map is shown: with a friction law and compliant parts it takes too long; use")
             words.append("`lsvib attraction`.")
         if self._shares:
             parts = [f"{plain(kind)} {100 * share:.1f} %" for kind, share in self._shares.items()]

@@ -83,7 +83,7 @@ def make_server(port: int, front: View) -> Server:
     def page(document: Document) -> None:
         if len(server.get_sessions("/")) >= MOST_PAGES:
             document.title = "Too many pages of the explorer are open"
-            document.add_root(Div(text=f"{document.title}; close some, and load this one again."))
+            document.add_root(Div(text=f"{document.title}; close some, then reload this one."))
             return
         context = document.session_context
         arguments: Mapping[str, list[bytes]] = context.request.arguments if context else {}
@@ -106,7 +106,7 @@ def make_server(port: int, front: View) -> Server:
         )
     except OSError as error:
         reason = "another program uses it" if error.errno == errno.EADDRINUSE else error.strerror
-        raise InputError(f"port = {port} cannot be used: {reason}; take another one with --port.") from None
+        raise InputError(f"port = {port} cannot be used: {reason}; choose another one with --port.") from None
     application, hosts = server._tornado, {f"localhost:{server.port}", f"127.0.0.1:{server.port}"}
     application.websocket_origins.update(hosts)  # the port is known only now
     find = application.find_handler

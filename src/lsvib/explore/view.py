@@ -102,7 +102,7 @@ class View:
             values["over"] = given.pop("over")
         if edges := {name: numbers.start(name, given.pop(name)) for name in Window._fields if name in given}:
             if len(edges) != len(Window._fields):
-                raise InputError("the window of the phase plane needs all of left, right, bottom and top.")
+                raise InputError("the window of the phase plane needs left, right, bottom and top.")
             values["window"] = Window(**edges)
         return cls(drive=Drive.of(given), **values)
 

@@ -91,13 +91,13 @@ class StableSet:
         """Say in a sentence that stability never changes, as where it has no change within the range."""
         adverb, name = "neutrally" if self.neutral else "asymptotically", self.key.replace("_", " ")
         if not self.intervals:
-            return f"steady sliding is {adverb} stable for no {name}, all other parameters held."
+            return f"steady sliding is not {adverb} stable for any {name}, with all other parameters fixed."
         if self.key == "input_speed" and len(self.intervals) == 1:  # zero itself is no steady sliding
             way = "below" if self.intervals[0][0] < 0 else "above"
-            return f"steady sliding is {adverb} stable for every input speed {way} zero and for none on the other side."
+            return f"steady sliding is {adverb} stable for all input speeds {way} zero and for none on the other side."
         if self.from_zero or self.intervals[0][0] < 0 or not may_vanish(self.key):
-            return f"steady sliding is {adverb} stable for every {name} in its range, all other parameters held."
-        return f"steady sliding is not {adverb} stable without {name}, but with any above zero, however small."
+            return f"steady sliding is {adverb} stable for every {name} in its range, with all other parameters fixed."
+        return f"steady sliding is {adverb} stable for every {name} above zero, but not at zero."
 
 
 def _damping(values: ParameterValues, t: Any, sense: int) -> Any:

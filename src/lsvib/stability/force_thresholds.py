@@ -45,7 +45,7 @@ def _negatively_damped(drive: Drive, rest: bool = False) -> SlipDrive:
         )
     if not d.damping[1] < 0:
         raise NoThreshold(
-            "the effective damping of law + is not negative, so conditions (8.19) hold for no axial force."
+            "the effective damping of law + is not negative, so no axial force satisfies conditions (8.19)."
         )
     return d
 
@@ -53,13 +53,9 @@ def _negatively_damped(drive: Drive, rest: bool = False) -> SlipDrive:
 def _apart(start: Start, d: SlipDrive) -> Start:
     """Refuse a force of the mirrored drive that is the onset to the last digit, or that exceeds all allowed forces."""
     if float(start.force) == float(d.onset):
-        raise NoThreshold(
-            "the force at which it would lie equals the onset, R = r_m tan(lead_angle) c_x Omega, to rounding."
-        )
+        raise NoThreshold("it would equal the onset, R = r_m tan(lead_angle) c_x Omega, to rounding.")
     if abs(start.force) > 1e12:
-        raise NoThreshold(
-            f"the force at which it would lie is outside the allowed range {allowed_range(Drive, 'axial_force')}."
-        )
+        raise NoThreshold(f"the force would be outside the allowed range {allowed_range(Drive, 'axial_force')}.")
     return start
 
 
@@ -74,19 +70,17 @@ def stick_start(drive: Drive) -> Start:
     plus, minus = d.slip(1), d.slip(-1)
     if not plus.turns:
         raise NoThreshold(
-            "slip under law + grows without a turn for this drive, so slip has no limit cycle that could touch rest."
+            "slip of this drive grows under law + without turning back, so no limit cycle of slip can touch rest."
         )
     # The logarithm by which a large motion has decayed after a turn; infinite where slip under law − does not turn.
     decay = arb.pi() * (plus.alpha / plus.beta + minus.alpha / minus.beta) if minus.turns else arb.pos_inf()
     if abs(decay) <= 1e-12:  # rounding
         raise NoThreshold(
             "growth under law + and decay under law - balance to rounding in large motions of this drive, so whether "
-            "slip without rest has a limit cycle is not decided."
+            "slip without rest has a limit cycle is undecided."
         )
     if decay < 0:
-        raise NoThreshold(
-            "slip without rest has no limit cycle for this drive, so there is no force at which one touches rest."
-        )
+        raise NoThreshold("slip of this drive without rest has no limit cycle, so at no force does one touch rest.")
     rate, law, times = slowest_point(d)
     return _apart(Start("stick+" if law > 0 else "stick-", d.onset - d.speed / rate, times), d)
 
@@ -103,8 +97,8 @@ def detach_start(drive: Drive) -> Start:
     slip = d.slip(1)
     if not slip.turns:
         raise NoThreshold(
-            "slip under law + grows without a turn and does not come back to rest for this drive, so every cycle with "
-            "rest reaches N = 0, whatever the force."
+            "slip of this drive grows under law + without turning back to rest, so every cycle with rest reaches "
+            "N = 0, whatever the force."
         )
     start = d.end_without_force(1), -d.speed
     end = slip.recurrence()
@@ -113,13 +107,13 @@ def detach_start(drive: Drive) -> Start:
     lowest, at = min(((d.contact[0] * u + d.contact[1] * w, time) for (u, w), time in zip(states, times, strict=True)),
                      key=lambda pair: pair[0])  # fmt: skip
     if not lowest < 0:
-        raise NoThreshold("slip from the end of rest reaches N = 0 under no axial force beyond the onset.")
+        raise NoThreshold("no axial force beyond the onset makes slip from the end of rest reach N = 0.")
     force = d.onset - lowest / d.inertia[1]
     # Slip ends in rest if T_r is not below r ξ₋ R there, that is u − C₊ Ω / k not above r (ξ₊ − ξ₋) R / k.
     if slip.state(*start, end)[0] - start[0] > d.reach * force:
         raise NoThreshold(
-            "at the force beyond which slip from the end of rest no longer reaches N = 0 that slip ends in slip "
-            "backward, not in rest; the cycles of such drives are not covered."
+            "at the force beyond which slip from the end of rest no longer reaches N = 0, it ends in backward slip, "
+            "not in rest; cycles of such drives cannot be computed."
         )
     return _apart(Start("detach" if at < end else "detach at rest", force, (at,)), d)
 
@@ -140,7 +134,7 @@ def global_stability_start(drive: Drive) -> Start:
             "the drive is not in the Painlevé region (effective inertia of law + positive), where no motion seizes."
         )
     if not d.damping[-1] > 0:
-        raise NoThreshold("without damping steady sliding attracts nothing.")
+        raise NoThreshold("without damping, steady sliding attracts no motion.")
     found = _NONE
     if d.outward > 0:  # else slip seizes while u falls: each seizure is left of the last, and their number is finite
         found = _rest_goes_on_from(d)
@@ -153,11 +147,11 @@ def global_stability_start(drive: Drive) -> Start:
             gap = -found.force * d.inertia[-1] / (d.stiffness * d.mass * d.lever)  # u_c − u_p of docs/basin.md
             if not gap > min(slope * d.speed / 2, 25 * slope**3 * d.slip(-1).a0 * d.speed / 8):
                 raise NoThreshold(
-                    "the drive has support_damping * mass < translation_damping * screw_inertia, and cycles of "
-                    "seizures without rest are not excluded; such drives are not covered."
+                    "the drive has support_damping * mass < translation_damping * screw_inertia, so "
+                    "cycles of seizures without rest are not ruled out; such drives cannot be computed."
                 )
     if not found.force < d.onset:
-        with_motion = " and under every smaller one with it than the onset, R = r_m tan(lead_angle) c_x Omega"
+        with_motion = " and every one with it below the onset, R = r_m tan(lead_angle) c_x Omega"
         raise NoThreshold(
             "steady sliding is globally stable under every axial force against the motion"
             f"{with_motion if drive.translation_damping else ''}."

@@ -152,7 +152,7 @@ class SlipDrive:
         """
         require_direction(drive)
         if wanted := friction.refusal(drive, rest):
-            raise NoThreshold(f"the closed form of this threshold {wanted}.")
+            raise NoThreshold(f"this threshold {wanted}.")
         return cls({name: arb(value) for name, value in drive}, 1 if drive.input_speed > 0 else -1)
 
     def slip(self, law: int) -> Slip:
@@ -243,7 +243,7 @@ def slowest_point(drive: SlipDrive) -> tuple[arb, int, tuple[arb, arb, arb]]:
     low, high = nearest, (grazing * (1 - arb(1e-9))).log()
     if not excess(low) < 0 < excess(high):
         raise NoThreshold(
-            "the force is not known: the rates of slip lie too far apart for the digits in which it is computed."
+            "the force is not known: the rates of slip lie too far apart for the precision of the computation."
         )
     first = turn + bracketed_root(excess, low, high, CLOSE).exp() / plus.beta
     times = first, time_below(half_return(plus, heights[1], first)[1])

@@ -129,7 +129,7 @@ def isolated_roots(function: Callable[[Any], Any], low: fmpq, high: fmpq) -> lis
                 continue
         boxes += [((a + b) / 2, b), (a, (a + b) / 2)]
     raise NoThreshold(
-        "the roots of an equation of the threshold cannot be told apart: two lie too close, or it all but vanishes."
+        "the roots of an equation of the threshold cannot be separated: two are too close, or it nearly vanishes."
     )
 
 

@@ -110,16 +110,16 @@ def changes(drive: Drive, unknown: str, known: list[tuple[float, bool]]) -> Iter
 def touching(drive: Drive) -> Start:
     """Return where Newton's method starts for the equations above; raises ``NoThreshold`` where they do not hold."""
     if drive.parts or drive.collar_friction:
-        raise NoThreshold("the closed form of the even speed is that of rigid drives without a collar.")
+        raise NoThreshold("the closed form of even_speed needs a rigid drive without a collar.")
     with many_digits():
         d = SlipDrive.of(drive)
         law, _ = d.braked(d.sliding)
         one_law = (d.net - d.sliding[1]) * law > 0 or not drive.friction_coefficient
         if not (d.inertia[law] > 0 and d.damping[law] > 0 and one_law):
-            raise NoThreshold("slip from the end of rest is no damped oscillation under one law.")
+            raise NoThreshold("slip from the end of rest is not a damped oscillation under one law.")
         back = Slip(d.inertia[law], -d.damping[law], d.stiffness)
         if not back.turns:
-            raise NoThreshold("slip from the end of rest does not come back.")
+            raise NoThreshold("slip from the end of rest does not turn back.")
         return Start("even+" if law > 0 else "even-", d.force, (back.recurrence(),))
 
 
@@ -144,9 +144,9 @@ def even_speed(drive: Drive, unknown: str) -> Threshold:
                 closed = replace(closed, derivatives=known_by)
             solution = closed if abs(closed.value - middle) <= 1e-9 * abs(middle) else solution
         found.append(solution)
-    span = f"{DECADES} decades on both sides of the drive's own value"
+    span = f"within {DECADES} decades of the drive's own value"
     words = {True: "ends in steady sliding at every", False: "does not end in steady sliding at any"}
     always = words[known[0][1]] if known else "is not known at any"
-    reason = f"the motion from rest {always} {unknown} tried within {span}, all other parameters held."
-    how = f"All found by motions from rest at {len(known)} values over {span}; this is no proof."
+    reason = f"the motion from rest {always} {unknown} tried {span}, with all other parameters fixed."
+    how = f"All found by motions from rest at {len(known)} values {span}; there may be others."
     return result(drive, "even_speed", unknown, found, how, reason)

@@ -61,7 +61,7 @@ def solve_threshold(drive: Drive, name: str, unknown: str | None = None, even: S
     """
     known = model_of(drive).thresholds
     if not isinstance(name, str) or name not in known:
-        raise InputError(f"threshold = {shown(name)} is not one of those of this drive: {', '.join(known)}.")
+        raise InputError(f"threshold = {shown(name)} is not a threshold of this drive; those are {', '.join(known)}.")
     found = _solve(drive, name, parameter(drive, name, unknown), even)
     if not found.solutions:
         raise NoThreshold(found.reason)
@@ -89,14 +89,14 @@ def _solve(drive: Drive, name: str, unknown: str, even: Solver | None) -> Thresh
     if name in boundaries.NAMES:
         return _by_roots(drive, name, unknown)
     if unknown in DRY:
-        raise NoThreshold(f"the threshold {name} has a closed form without friction of slide, bearing and collar only.")
+        raise NoThreshold(f"the threshold {name} is computed only without friction of slide, bearing and collar.")
     if unknown == "static_friction_coefficient" and name == "stick":
         raise NoThreshold("the threshold stick does not depend on static_friction_coefficient.")
     wanted = friction.refusal(drive, TABLE[name].rest)
     if not wanted and unknown in friction.NAMES:
-        wanted = "holds for friction that is one number"
+        wanted = "is computed only for a single friction coefficient"
     if wanted:
-        raise NoThreshold(f"the closed form of the threshold {name} {wanted}.")
+        raise NoThreshold(f"the threshold {name} {wanted}.")
     if unknown == "axial_force":
         return _by_force(drive, name)
     return _by_search(drive, name, unknown)
@@ -113,7 +113,7 @@ def _by_roots(drive: Drive, name: str, unknown: str) -> Threshold:
     elif not solutions:
         reason = (
             f"no {unknown} in the allowed range {allowed_range(type(drive), unknown)} is the threshold {name}, "
-            "all other parameters held."
+            "with all other parameters fixed."
         )
     what = "equations" if searched(drive, unknown) else "polynomials"
     how = f"All of them: the roots of {what} are isolated with certainty."
@@ -142,8 +142,8 @@ def _by_force(drive: Drive, name: str) -> Threshold:
         found = newton(drive, "axial_force", start, force)
     except Singular:
         raise NoThreshold(
-            f"no axial_force is the threshold {name}: next to {float(force):.9g} N, where the drive changes what it "
-            "does, its equations have no solution."
+            f"no axial_force is the threshold {name}: near {float(force):.9g} N, where the drive changes its "
+            "behaviour, its equations have no solution."
         ) from None
     return result(drive, name, "axial_force", [found], "The force follows from a closed form, which has one value.")
 
@@ -164,17 +164,17 @@ def _by_search(drive: Drive, name: str, unknown: str) -> Threshold:
         near = drive.replace(**{unknown: value})
         with suppress(Singular, NoThreshold):  # a jump of the gap, not a root
             found.append(newton(near, unknown, _start(name, near)[1], value))
-    span, why = f"{DECADES} decades on both sides of the drive's own value", ""
+    span, why = f"within {DECADES} decades of the drive's own value", ""
     if not found:
         try:
             _start(name, drive)
         except (InputError, EngineError) as error:
-            why = f"; with its own value {str(error).rstrip('.')}"
+            why = f"; at its own value, {str(error).rstrip('.')}"
     reason = (
-        f"no {unknown} within {span} is the threshold {name} at axial_force = {drive.axial_force:g}, all other "
-        f"parameters held{why}."
+        f"no {unknown} {span} makes axial_force = {drive.axial_force:g} the threshold {name}, with all other "
+        f"parameters fixed{why}."
     )
-    return result(drive, name, unknown, found, f"All that a search over {span} found; this is no proof.", reason)
+    return result(drive, name, unknown, found, f"All found by a search {span}; there may be others.", reason)
 
 
 def _start(name: str, drive: Any) -> tuple[Any, Start]:

@@ -96,7 +96,7 @@ class Made:
         self.names = (*system.states, *(name for pair in system.harmonics for name in pair.split(", ")), *self.times)
         self.n = len(self.names)
         if self.n > MOST_STATES:
-            raise InputError(f"the system has {self.n} states with its forcing; at most {MOST_STATES} are taken.")
+            raise InputError(f"the system has {self.n} states with its forcing; at most {MOST_STATES} are allowed.")
         self.begin = np.zeros(self.n)
         self.begin[self.own : self.own + 2 * len(self.rates) : 2] = 1.0
         self.reader = Reader(self.names, self.known)
@@ -141,7 +141,7 @@ class Made:
             linked |= {*event.mode, event.to, event.beyond} if event.to or event.beyond else set()
             for mode in event.mode if event.beyond else ():
                 if self.beyond.setdefault(mode, str(event.beyond)) != event.beyond:
-                    raise InputError(f"mode {mode} goes beyond an accumulation into two modes.")
+                    raise InputError(f"mode {mode} has two modes beyond an accumulation; only one can follow.")
         if alone := [name for name in self.system.modes if name not in linked and len(self.system.modes) > 1]:
             raise InputError(f"modes.{alone[0]} is linked with no other mode, neither by an event nor by a surface.")
 
@@ -162,7 +162,7 @@ class Made:
         self.borders.append(Border(below, above, at, text, (low, high), slides, not pushes))
         if slides:
             if slides in self.fields:
-                raise InputError(f"two surfaces lie between {below} and {above}, which has to be one; take more modes.")
+                raise InputError(f"two surfaces separate {below} and {above}; only one may, so use more modes.")
             rows = [plus(x, scaled(low, -y[-1] / across[-1])) for x, y in zip(first, jump, strict=True)]
             planar = self.n == 2 and rows[0] == self.unit[1]
             self.fields[slides] = rows if planar else [_off(row, at) for row in rows]
@@ -222,7 +222,7 @@ class Made:
 
     def _checked(self, row: Affine, about: str, text: str) -> Affine:
         if not linear(row):
-            raise InputError(f"{about} = {text!r} does not depend on the state there, so it is no event.")
+            raise InputError(f"{about} = {text!r} does not depend on the state there, so it cannot be an event.")
         return row
 
     def _guards(self, mode: str) -> Iterator[Guard]:
@@ -243,7 +243,7 @@ class Made:
                 key = _key(row)
                 yield self._guard(f"event {k} {mode}", scaled(row, -1), 1, self._happens(mode, k, row))
             if taken.setdefault(key, k) != k:
-                raise InputError(f"events[{taken[key]}] and events[{k}] happen at once in {mode}; give one for both.")
+                raise InputError(f"events[{taken[key]}] and events[{k}] happen at once in {mode}; make them one.")
         yield from self._bounds(mode)
 
     def _reset(self, given: Mapping[str, Any], about: str, clock: str = "") -> tuple[Affine, ...] | None:
@@ -265,7 +265,7 @@ class Made:
         if row and to in (None, mode):
             left = _off(_rate(row, (*reset, self.unit[-1])), row) if reset else self.unit[-1]
             if not linear(left) and left[-1] > 0:
-                what = "lands where it happens again" if reset else "changes nothing: give a reset, or a mode to enter"
+                what = "happens again where it leads" if reset else "changes nothing: give a reset, or a mode to enter"
                 raise InputError(f"events[{k}] of mode {mode}, {event.when!r}, {what}.")
         returns = FORCING if clock == FORCING else f"{clock} returns" + (f" to {to}" if to else "")
         kind = self._kind(returns if clock else str(event.when))

@@ -51,14 +51,14 @@ class Attractor(IntEnum):
 class Doubt(StrEnum):
     """Why the attractor of a motion is unresolved, in words; there are no other reasons."""
 
-    EVENT_BUDGET = "event budget exhausted"
-    RECURRENT = "event budget exhausted by a vibration that hardly changes in size and has no period that was found"
-    WORK_BUDGET = "work budget exhausted by the search for one event"
-    ROUNDING = "start or motion on a boundary to rounding"
-    ACCUMULATION = "events accumulate, and the model does not say what follows"
-    RANGE = "motion leaves the range of numbers"
-    ENGINE = "no answer of the engine"
-    COMMAND = "the commanded speed does not come to input_speed for good within the duration"
+    EVENT_BUDGET = "too many events without a result"
+    RECURRENT = "too many events: the vibration hardly changes in size, but no period was found"
+    WORK_BUDGET = "the search for one event took too much work"
+    ROUNDING = "the start or the motion lies on a boundary, to rounding"
+    ACCUMULATION = "infinitely many events accumulate, and the model does not say what follows"
+    RANGE = "the motion leaves the range of numbers"
+    ENGINE = "the engine gave no answer"
+    COMMAND = "the commanded speed does not settle at input_speed within the duration"
 
     @classmethod
     def of(cls, error: EngineError) -> "Doubt":

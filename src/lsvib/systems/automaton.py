@@ -214,7 +214,7 @@ def _rows(rows: Sequence[Row], n: int, shape: tuple[int, ...] | None = None) -> 
     table = doubles([x for row in rows for x in row], shape or (len(rows), n + 1))
     one = table.ndim == len(shape or (0, 0))  # what is unsafe among many is refused later
     if one and not np.isfinite(table).all():
-        raise EngineError("a coefficient of the model is beyond 1e308; take parameters that lie less far apart.")
+        raise EngineError("a coefficient of the model is beyond 1e308; choose parameters closer in magnitude.")
     return table
 
 

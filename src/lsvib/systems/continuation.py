@@ -119,7 +119,7 @@ def span_of(owner: str, parameter: str, here: float, span: Any, points: Any) -> 
     if not low < high or not low <= here <= high:
         raise InputError(
             f"span = {low:g} to {high:g} is outside the allowed range: "
-            f"it holds the {owner}'s own {parameter} = {here:g}."
+            f"it must include the {owner}'s own {parameter} = {here:g}."
         )
     return (low, high), whole_between("points", points, 2, 100_000)  # more cycles would fill the memory
 
@@ -131,7 +131,7 @@ def _allowed(build: Build, start: float, end: float) -> tuple[float, str]:
         try:
             build(value)
         except (InputError, EngineError) as error:
-            return f"beyond, the value is refused: {error}"
+            return f"the next value is not allowed: {error}"
         return ""
 
     if not refused(end):
@@ -186,7 +186,7 @@ class _Walk:
     def _ends(self, here: Solved) -> bool:
         """Whether the branch ends at a point that is noted: of the span, or the last that is allowed."""
         if len(self.points) >= self.most:
-            self._change("end", here, "the branch is longer than the number of points")
+            self._change("end", here, "the number of points is used up")
         elif not self.units.holds(here.z[-1] + math.copysign(2 * AT_REST, here.tangent[-1])):
             self._change("end", here, self.ends[int(here.tangent[-1] > 0)])
         return bool(self.changes) and self.changes[-1].kind == "end"
@@ -207,7 +207,7 @@ class _Walk:
         if turn is here:
             self._compare(shooting, here, there, cycle)
         elif (parts := _parts(shooting, turn)) > 1:
-            self._change("end", turn, f"its {parts} parts become one cycle, of a period of 1/{parts} of its own")
+            self._change("end", turn, f"its {parts} parts become one cycle with 1/{parts} of its period")
             return False
         elif (turn.z[-1] - here.z[-1]) * (turn.z[-1] - there.z[-1]) > _FLAT**2:  # beyond both, and not by rounding
             self._change("fold", turn, "two cycles meet", float(np.linalg.norm(turn.z - here.z)), "fold")
@@ -232,7 +232,7 @@ class _Walk:
         what = "a pair of multipliers" if leading.imag else f"a multiplier {'+1' if leading.real > 0 else '−1'}"
         name = "Neimark–Sacker" if leading.imag else "" if leading.real > 0 else "period doubling"
         further = float(np.linalg.norm(point.z - here.z))
-        self._change("stability", point, f"{what} passes the unit circle", further, name)
+        self._change("stability", point, f"{what} crosses the unit circle", further, name)
 
     def _comes_back(self, shooting: Shooting, here: Solved, there: Solved) -> bool:
         """Whether the branch passes its first cycle between two points."""
@@ -257,7 +257,7 @@ class _Walk:
         if words:
             self._change("itinerary", last, words, further, name)
         if last.tangent[-1] * (behind.z[-1] - last.z[-1]) < 0:
-            self._change("fold", last, "two cycles meet, of different events", further, name)
+            self._change("fold", last, "two cycles with different events meet", further, name)
         self._add(here, behind, cycle)
         return behind
 
@@ -265,10 +265,10 @@ class _Walk:
         """Why no piece is found behind the last point of one, and the border's name; ``nearest``: a cycle there."""
         extent = _extent(shooting, last)
         if extent < 1e2 * _NOTHING:
-            return f"it has shrunk to {100 * extent:.1g} % of the motion at its start, and is not found further", ""
+            return f"it has shrunk to {100 * extent:.1g} % of the motion at its start; no further cycle is found", ""
         beyond = next(_otherwise(shooting, last), None)
         if beyond is None:
-            return "no further cycle is found, by Newton's method or by motions from next to its orbit", ""
+            return "no further cycle is found, by Newton's method or by motions from near its orbit", ""
         what = f"it {_in_words(last, beyond) or 'changes the order of its events'}"
         if last.rests and not beyond.rests:
             what = "it no longer comes to rest"

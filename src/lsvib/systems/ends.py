@@ -115,7 +115,7 @@ def start_of(system: Any, mode: str, state: Mapping[str, Any] | None = None) -> 
     """
     own, given = made(system), names_and_values("state", state)
     if mode not in [*own.modes]:
-        raise InputError(f"{shown(mode)} is no mode of the system; modes are {', '.join(own.modes)}.")
+        raise InputError(f"{shown(mode)} is not a mode of the system; its modes are {', '.join(own.modes)}.")
     names, found = own.automaton.states, own.begin.copy()
     for name, value in given.items():
         if name not in system.states and name not in system.clocks:
@@ -133,7 +133,7 @@ def _beside(own: Made, mode: str, state: np.ndarray) -> str:
         value, low, high = np.array([[*map(float, row)] for row in (border.at, *border.rises)]) @ np.append(state, 1.0)
         if value == 0 and low < 0 < high:
             raise InputError(
-                f"the start lies on the surface {border.text}, which motions leave to both sides; move it a little."
+                f"the start lies on the surface {border.text}, which motions leave on both sides; move it a little."
             )
         mode = mode if value == 0 else border.below if value < 0 else border.above
     return mode
@@ -213,10 +213,10 @@ def _in_words(own: Made, begun: float, error: EngineError) -> EngineError:
         return EngineError(f"the motion from mode {here} meets two surfaces at once {where} ({texts} = 0).")
     limit = _limit(last.time, last.after)
     if limit is None:
-        return EngineError(f"events follow each other {where} without end and without time, from mode {here} on.")
+        return EngineError(f"events follow each other {where} endlessly and without delay, from mode {here} on.")
     return EngineError(
         f"infinitely many events accumulate at t = {begun + limit[0]:.15g} s in mode {here}, and the system does not "
-        "say what follows: an event with beyond names the mode."
+        "say what follows; give the mode as beyond of an event."
     )
 
 
@@ -244,8 +244,8 @@ def _end(own: Made, number: int, place: np.ndarray, work: int, known: KnownCycle
     """Return what the motion from a mode and a state (n) ends on, with ``work`` in events; it may be a known end."""
     if own.period is not None and math.isnan(own.period):
         raise InputError(
-            "of the periods of harmonics and clocks none is a multiple of all others, so that no motion is known to "
-            "repeat; where they have a common period, give a clock with it."
+            "no period of a harmonic or clock is a multiple of all others, so no motion is known to repeat; if they "
+            "have a common period, give a clock with it."
         )
     for _ in range(_ROUNDS):
         steady, _ = end_of_motion(own.automaton, place, mode=number, max_events=work, known=known)
@@ -326,9 +326,9 @@ def variables_of(dims: cf.Dims, ends: Sequence[End], shape: Sequence[int] = (-1,
     first = [end.multipliers[0] if end.multipliers.size else math.nan for end in ends]
     leading = [abs(x) if x.imag else x.real for x in first]
     table = {
-        "period": ([end.period for end in ends], "s", "period of what the motion ends on", "$T$"),
-        "turns": ([end.turns for end in ends], "1", "periods of the forcing in that, or zero"),
+        "period": ([end.period for end in ends], "s", "period of the attractor", "$T$"),
+        "turns": ([end.turns for end in ends], "1", "number of forcing periods in that period, or zero"),
         "multiplier": (leading, "1", "largest multiplier, or its magnitude if it is complex"),
     }
     labels = np.reshape([list(Label).index(end.label) for end in ends], shape)
-    return {"label": cf.flagged(dims, labels, "what the motion ends on", list(Label))} | cf.columns(dims, table, shape)
+    return {"label": cf.flagged(dims, labels, "attractor of the motion", list(Label))} | cf.columns(dims, table, shape)

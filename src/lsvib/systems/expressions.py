@@ -28,7 +28,7 @@ Affine = tuple[Any, ...]  # a row: one coefficient for each state, the constant 
 def check_name(name: Any) -> str:
     """Return a name that an expression may hold; ``InputError`` for anything else."""
     if not isinstance(name, str) or not name.isidentifier() or keyword.iskeyword(name) or name in (*FUNCTIONS, "pi"):
-        raise InputError(f"{shown(name)} cannot be a name: take letters, digits and _, and no function, nor pi.")
+        raise InputError(f"{shown(name)} cannot be a name: use letters, digits and _, but no function and not pi.")
     return name
 
 
@@ -76,12 +76,12 @@ class Reader:
 
     def _checked(self, row: Affine) -> Affine:
         if not all(abs(float(x)) < LARGEST for x in row):  # nor is one nan
-            raise self._refusal(f"has a coefficient that is no number below {LARGEST:g}.")
+            raise self._refusal(f"has a coefficient that is not a number below {LARGEST:g}.")
         return row
 
     def _constant(self, value: Any) -> Affine:
         if isinstance(value, arb) and not value.is_finite():
-            raise self._refusal("is no real number.")
+            raise self._refusal("is not a real number.")
         return (*self.none, 0 if value == 0 else value)
 
     def _whole(self, tree: ast.expr) -> Affine:
@@ -99,7 +99,7 @@ class Reader:
             case ast.Name(id=name) if name in self.rows:
                 return self.rows[name]
             case ast.Name(id=name):
-                names = ", ".join([*self.rows][:-1]) or "none"
+                names = ", ".join(x for x in [*self.rows][:-1] if x.isidentifier()) or "none"
                 raise self._refusal(f"has the unknown name {name}; known are {names}.")
             case ast.UnaryOp(op=ast.UAdd() | ast.USub(), operand=operand):
                 return scaled(self._read(operand), 1 if isinstance(node.op, ast.UAdd) else -1)
@@ -108,8 +108,8 @@ class Reader:
             case ast.Call(func=ast.Name(id=name), args=[argument], keywords=[]) if name in FUNCTIONS:
                 number = arb(self._plain(self._read(argument), node))
                 return self._constant(getattr(number, "__abs__" if name == "abs" else name)())
-        what = f"numbers, names, + - * / **, {', '.join(FUNCTIONS)} and pi are."
-        raise self._refusal(f"holds {shown(ast.unparse(node))}, which is not understood: {what}")
+        what = f"numbers, names, + - * / **, {', '.join(FUNCTIONS)} and pi."
+        raise self._refusal(f"holds {shown(ast.unparse(node))}, which is not allowed; use {what}")
 
     def _operation(self, node: ast.BinOp) -> Affine:
         left, right = self._read(node.left), self._read(node.right)
@@ -151,7 +151,7 @@ def parameters(given: Mapping[str, Any]) -> dict[str, arb]:
 def _parsed(given: Any, about: str) -> tuple[ast.expr, str]:
     """Return the tree of an expression, and the text that it was read from."""
     if not isinstance(given, str) or len(given) > _LONGEST:
-        raise InputError(f"{about} = {shown(given)} is neither a number nor an expression of at most {_LONGEST} signs.")
+        raise InputError(f"{about} = {shown(given)} is not a number or an expression of at most {_LONGEST} characters.")
     try:
         with warnings.catch_warnings(action="ignore"):  # of Python, which this is not
             return ast.parse(text := " ".join(given.split()), mode="eval").body, text

@@ -96,7 +96,7 @@ class Grid:
         known = [*names, *values]  # what is no coordinate comes last
         spans = [name for name in dict.fromkeys(known) if isinstance(values.get(name), Mapping)]
         if len(spans) != 2:
-            raise InputError(f"grid spans {len(spans)} coordinates; give start, stop and count of two.")
+            raise InputError(f"grid needs start, stop and count of two coordinates; {len(spans)} given.")
         for name in spans:
             if set(values[name]) != {"start", "stop", "count"}:
                 raise InputError(

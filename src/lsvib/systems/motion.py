@@ -38,7 +38,7 @@ class Budget:
         """Draw on the budget; raises ``WorkSpentError`` if nothing is left."""
         self.left -= work
         if self.left < 0:
-            raise WorkSpentError("the motion takes more work than is allowed.")
+            raise WorkSpentError("the motion takes too much work to compute.")
 
 
 @dataclass(frozen=True)
@@ -99,7 +99,7 @@ def enter(automaton: Automaton, state: ArrayLike) -> tuple[int, np.ndarray]:
         numbers.start(f"start {name}", float(value))
     branch = event_loop.choose_branch(automaton.tables, 0, state, np.abs(state))
     if branch < 0:
-        raise EngineError(f"no mode fits the start {state.tolist()}; this is a fault of the model, please report it.")
+        raise EngineError(f"no mode fits the start {state.tolist()}; this is a bug, please report it.")
     return int(automaton.tables.branch_mode[branch]), state
 
 
@@ -154,8 +154,8 @@ def follow(
     end_time = float(clock[TIME] + clock[CARRY])
     if status == Status.WORK_SPENT and budget is None:
         raise WorkSpentError(
-            f"the motion takes more than {_MANY_STEPS:,} steps by its event after t = {end_time:.6g} s; shorten the "
-            "duration or, if rates lie far apart, take larger inertias, or smaller stiffness and damping."
+            f"the motion takes more than {_MANY_STEPS:,} steps to the event after t = {end_time:.6g} s; shorten the "
+            "duration or, if rates lie far apart, use larger inertias, or smaller stiffness and damping."
         )
     columns = [np.concatenate(column) for column in zip(*pieces, strict=True)] if len(pieces) > 1 else pieces[0]
     motion = Motion(
@@ -201,7 +201,7 @@ def _complaint(status: Status, time: float, state: np.ndarray, most: int | None)
     if status == Status.NO_BRANCH:
         return EngineError(
             f"no branch of a transition fits {where}: under a friction law that grows with speed it has reached the "
-            "Painlevé region, and what follows is not determined; else this is a fault of the model, please report it."
+            "Painlevé region, and what follows is not determined; otherwise this is a bug; please report it."
         )
     return EngineError(f"the clock left the range of numbers ({where}).")
 

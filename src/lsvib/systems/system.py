@@ -233,11 +233,11 @@ class System:
         """
         own, one = made(self), cycle.cycle if isinstance(cycle, End) else None
         if one is None:
-            raise InputError("what is followed is one cycle, such as system.cycles(...)[0].")
+            raise InputError("follow takes one cycle, such as system.cycles(...)[0].")
         mine, other = own.automaton, one.orbit.automaton
         pairs = (mine.flow.field, other.flow.field), (mine.tables.surfaces, other.tables.surfaces)
         if not all(np.array_equal(*pair) for pair in pairs):
-            raise InputError("the cycle belongs to another system; take one that this system ends on.")
+            raise InputError("the cycle belongs to another system; take one of this system's cycles(...).")
         self._check_parameter(parameter)
         here = float(parameters(self.parameters)[parameter])
         ends, most = span_of("system", parameter, here, span, points)
@@ -272,7 +272,7 @@ class System:
             ends.append(end_of(self.replace(**dict(zip(axes, values, strict=True))), begin, state))
             if progress is not None:
                 progress(len(ends), math.prod(shape))
-        where = "in what the motion ends on"
+        where = "on the attractor"
         extremes = np.array([[end.extremes(k) for k in range(len(self.states))] for end in ends])
         own = {
             f"{word}_{name}": (extremes[:, k, i], "1", f"{word} value of state {name} {where}")
@@ -291,7 +291,7 @@ class System:
         }
         coordinates = {name: cf.variable(name, np.array(x), "1", f"parameter {name}") for name, x in axes.items()}
         coordinates["kind"] = cf.named_index("kind", "kind of the event", kinds)
-        about = {"title": f"What a system ends on over {', '.join(axes)}", "initial_state": _start(begin, state)}
+        about = {"title": f"Attractors of a system over {', '.join(axes)}", "initial_state": _start(begin, state)}
         return self._dataset(cf.columns(dims, own, shape), found, coordinates, about)
 
     def map(self, grid: Mapping[str, Any], mode: str | None = None, *, progress: Progress | None = None) -> xr.Dataset:
@@ -322,27 +322,27 @@ class System:
         share, last = np.bincount(number.ravel()) / number.size, np.array([[*end.state.values()] for end in found])
         dims, axes = (cells.y.coordinate, cells.x.coordinate), cf.Variables()
         data = variables_of("end", found) | {
-            "behaviour": cf.flagged(dims, number, "number of the end that the motion has", words),
+            "behaviour": cf.flagged(dims, number, "index of the attractor of the motion", words),
             "fraction": cf.variable("end", share, "1", "fraction of the cells"),
         }
-        data |= states_of(own, "end", last, "end_{}", " of the equilibrium, or of the cycle as its period begins")
+        data |= states_of(own, "end", last, "end_{}", " of the equilibrium, or of the cycle where its period begins")
         for name, one in zip(dims, (cells.y, cells.x), strict=True):
             axes[name] = cf.variable(name, one.centres(), "1", f"state {name}", cell_width=one.width)
-        axes["end"] = cf.variable("end", np.arange(len(found)), "1", "number of the end")
-        about = {"title": "What motions of a system from a grid end on", "mode": begin}
+        axes["end"] = cf.variable("end", np.arange(len(found)), "1", "index of the attractor")
+        about = {"title": "Attractors of a system from a grid of starts", "mode": begin}
         return self._dataset({}, data, axes, about)
 
     def _dataset(self, own: cf.Variables, found: cf.Variables, axes: cf.Variables, about: dict[str, str]) -> xr.Dataset:
         """Return a dataset that says of which system it is; of ``own`` and ``axes`` names are those of the system."""
         names = [*own, *found, *axes]
         if twice := [name for name in names if names.count(name) > 1]:
-            raise InputError(f"{twice[0]} has a meaning of its own in this answer; take another name for what has it.")
+            raise InputError(f"{twice[0]} is reserved in this result; choose another name.")
         return cf.answer(own | found, axes, {**MADE_BY, "system": json.dumps(self.keys()), **about})
 
     def _check_parameter(self, name: Any) -> None:
         if name not in [*self.parameters]:
             known = ", ".join(self.parameters) or "none"
-            raise InputError(f"{shown(name)} is no parameter of the system; its parameters are {known}.")
+            raise InputError(f"{shown(name)} is not a parameter of the system; its parameters are {known}.")
 
     def _check_names(self) -> None:
         seen: dict[str, str] = {}
@@ -350,13 +350,13 @@ class System:
         for what, names in zip(KEYS, (self.states, self.parameters, pairs, self.clocks), strict=False):
             for name in names:
                 if check_name(name) in seen:
-                    raise InputError(f"{name} stands twice, in {seen[name]} and in {what}; take two names.")
+                    raise InputError(f"{name} is used twice, in {seen[name]} and in {what}; choose different names.")
                 seen[name] = what
 
     def _mode(self, mode: str, given: Any) -> dict[str, Any]:
         about, names = f"modes.{mode}", [*self.states]
         if not mode.strip() or "|" in mode:
-            raise InputError(f"{shown(mode)} cannot be the name of a mode; | stands between modes that slide.")
+            raise InputError(f"{shown(mode)} cannot be the name of a mode; | joins the names of sliding modes.")
         if not (isinstance(given, Mapping) and "matrix" in given):
             own = _known(about, given, names, names)
             return {name: _value(own[name]) for name in names}
@@ -370,10 +370,10 @@ class System:
         own = _known(about, given, Event._fields, ("mode",))
         own["mode"] = [own["mode"]] if isinstance(own["mode"], str) else _listed(f"{about}.mode", own["mode"]) or [None]
         if ("when" in own) == ("at_clock" in own):
-            raise InputError(f"{about} needs when, such as x > 1, or at_clock, the name of a clock, and not both.")
+            raise InputError(f"{about} needs either when, such as x > 1, or at_clock, the name of a clock.")
         if own.get("at_clock") not in [None, *self.clocks]:
             known = ", ".join(self.clocks) or "none"
-            raise InputError(f"{about}.at_clock = {own['at_clock']} is no clock; clocks are {known}.")
+            raise InputError(f"{about}.at_clock = {own['at_clock']} is not a clock; clocks are {known}.")
         reset = _known(f"{about}.reset", own.get("reset"), (*self.states, *self.clocks))
         own["reset"] = {name: _value(x) for name, x in reset.items()}
         return {key: x for key, x in own.items() if x}
@@ -400,7 +400,7 @@ def _known(about: str, given: Any, allowed: Iterable[str], needed: Iterable[str]
     """Return names and values, all of which are allowed, and none of those that are needed missing."""
     own = names_and_values(about, given)
     if wrong := [key for key in own if key not in allowed]:
-        raise InputError(f"{wrong[0]} is not a known key of {about}; those are {', '.join(allowed)}.")
+        raise InputError(f"{wrong[0]} is not a known key of {about}; the known keys are {', '.join(allowed)}.")
     if missing := [key for key in needed if key not in own]:
         raise InputError(f"{about} needs {missing[0]}.")
     return own

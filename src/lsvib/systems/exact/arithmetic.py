@@ -63,7 +63,7 @@ def sign(number: Number, parameter: str = "a parameter") -> int:
     if value == 0:
         return 0
     raise EngineError(
-        f"{DIGITS} digits do not determine on which side of a limit the system lies; change {parameter} a little."
+        f"{DIGITS} digits do not determine on which side of a limit the system is; change {parameter} a little."
     )
 
 
