@@ -48,7 +48,7 @@ def test_json_round_trip(computed):
 
 def test_a_damaged_file_is_refused_with_its_remedy(tmp_path):
     (tmp_path / "checks.json").write_text('[{"claim": "Critical ma')
-    with pytest.raises(InputError, match=r"not a readable file of checks; run again what makes it\.$"):
+    with pytest.raises(InputError, match=r"not a readable file of checks; make it again\.$"):
         read_checks(tmp_path / "checks.json")
 
 

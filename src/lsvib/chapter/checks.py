@@ -198,7 +198,7 @@ def read_checks(path: str | os.PathLike[str]) -> list[tuple[str, Check]]:
     except OSError as error:
         raise InputError(f"Cannot read {path}: {error.strerror}.") from None
     except (ValueError, TypeError, AttributeError):
-        raise InputError(f"{path} is not a readable file of checks; run again what makes it.") from None
+        raise InputError(f"{path} is not a readable file of checks; make it again.") from None
 
 
 def read_statements(path: str | os.PathLike[str]) -> Statements:
