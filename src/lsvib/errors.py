@@ -10,7 +10,7 @@ class InputError(LsvibError, ValueError):
 
     >>> lsvib.Drive(mass=-1)
     Traceback (most recent call last):
-    lsvib.errors.InputError: mass = -1.0 is outside the allowed range 1e-18 <= mass <= 1e+09.
+    lsvib.errors.InputError: mass = -1.0 is outside the allowed range 1e-18 <= mass <= 1e+09 kg.
     """
 
 

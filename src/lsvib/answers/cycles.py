@@ -37,7 +37,7 @@ class Cycles:
     >>> lsvib.Drive(translation_damping=1000).cycles().cycles
     (Cycle(STICK_SLIP_CYCLE, period=0.0106716029, amplitude=0.0742795197, multipliers=[0.+0.j], found_by='start'),)
     >>> lsvib.Drive().cycles().proved
-    'There is no cycle: slip makes every area of the phase plane smaller.'
+    'There is no cycle: slip contracts every area of the phase plane.'
     """
 
     cycles: tuple[Cycle, ...]
