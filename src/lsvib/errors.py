@@ -18,6 +18,10 @@ class NoThreshold(InputError):
     """The drive does not have this threshold; the sentence says why (:meth:`lsvib.Drive.threshold`)."""
 
 
+class NotInstalledError(LsvibError, AttributeError):
+    """A package of an extra is missing; the sentence says how to install it."""
+
+
 class EngineError(LsvibError, RuntimeError):
     """The engine has no answer; the sentence says why, and what may help."""
 

@@ -70,6 +70,21 @@ def test_what_a_drive_shows_is_its_own():
     assert {name for name in dir(lsvib) if name[0] != "_"} == {*lsvib.__all__}
 
 
+def test_a_name_whose_packages_are_missing_says_so_and_hides_no_other():
+    program = """
+import sys
+sys.modules["pint"] = None
+import inspect, lsvib
+names = [name for name, _ in inspect.getmembers(lsvib)]
+assert "Drive" in names and "assess" not in names
+try:
+    lsvib.assess({})
+except lsvib.LsvibError as error:
+    print(error)"""
+    said = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True).stdout
+    assert said == "lsvib.assess needs pint, which is not installed: pip install 'lsvib[assess]'.\n"
+
+
 @pytest.mark.parametrize("kind", DRIVES)
 def test_a_coordinate_has_one_name_in_starts_and_motions(kind):
     drive = DRIVES[kind](mass=9.0, contact_damping=1e4) if kind == "threads" else DRIVES[kind]()
