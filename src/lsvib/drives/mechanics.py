@@ -171,9 +171,9 @@ def damping_by_slope(
 class LinearParts:
     """What the characteristic polynomial of steady sliding is made of, in any kind of number (SI units).
 
-    It is the sum of docs/physics.md, g (1/B + 1/Y) − h (1/A + 1/N) + (1 + t²) / E, times all that stands below a line,
+    It is 1 + t² times the sum of docs/physics.md, g (1/B + 1/Y) − h (1/A + 1/W) + (1 + t²) / E, times all denominators,
     with t = tan λ, g = 1 + s_0 μ t and h = r_m² t (s_0 μ − t) + s_0 r_m t μ_b r_b g. ``along`` are B and Y, ``turning``
-    A and N, ``contact`` E or nothing. A body that is carried by another one adds I s² S / (I s² + S) to its polynomial,
+    A and W, ``contact`` E or nothing. A body that is carried by another one adds I s² S / (I s² + S) to its polynomial,
     S = c s + k, so that these are pairs, what stands above and below a line.
 
     Where friction depends on the sliding speed the sum has a term with σ = (1 + t²) r_m² |N_0| μ′ more. As |N_0| is
