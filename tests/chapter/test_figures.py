@@ -100,6 +100,8 @@ def test_every_parameter_is_stated_with_its_origin(figure):
         assert attributes["origin"].startswith(known), (name, attributes)
         assert attributes["symbol"], name
         assert attributes["origin"] != VARIED or dataset[name].ndim >= 1, name  # an axis, or along one
+    others = {name: dataset[name].attrs.get("origin", "") for name in set(dataset.variables) - set(FIELDS)}
+    assert ASSUMED not in others.values(), others  # the caption would say so of the picture
 
 
 def test_origin_says_which_values_are_printed():

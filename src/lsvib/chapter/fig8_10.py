@@ -16,10 +16,9 @@ from lsvib.drives.model import model_of
 from lsvib.pictures import drawing, style
 
 CAPTION = """\
-Compliant threads, k_c = c_c = 10⁸ (SI): (a) phase plane with the cycle of the rigid drive; (b) contact force on a
-broken axis, with its peaks in kN above and the sliding between them in N below. Not in the chapter: (c) peak (left) and
-distance from the rigid cycle (right) against R, which the text does not state. The dot marks the force assumed in (a)
-and (b), 50 N.
+Compliant threads: (a) phase plane with the cycle of the rigid drive; (b) contact force on a broken axis, with its peaks
+in kN above and the sliding between them in N below. Not in the chapter: (c) peak (left) and distance from the rigid
+cycle (right) against R, which the text does not state. The dot marks the force of (a) and (b).
 """
 
 _PEAK = ("N", "largest normal force on the cycle", "$N$")

@@ -85,8 +85,7 @@ def limit(drive: Drive) -> cf.Variables:
     return {
         **cf.varied(swept_contact_stiffness=_STIFFNESS),
         **cf.varied(dims[1], swept_contact_damping=_STIFFNESS),
-        "case_mass": ((), _MASS, cf.parameter("case_mass", cf.ASSUMED)),
-        **cf.varied("branch", case_axial_force=forces, case_support_damping=dampings),
+        **cf.varied("branch", case_mass=0 * forces + _MASS, case_axial_force=forces, case_support_damping=dampings),
         "rule": RULE,
         "impact_sign": ("branch", signs.astype(np.int8), cf.SIGNS | {"long_name": "sign of the impact, 0: a cycle"}),
         "motion_distance": cf.variable((*dims, "rule"), distances, "1", far),
@@ -152,7 +151,7 @@ def _lost(dataset: xr.Dataset) -> tuple[xr.DataArray, xr.DataArray]:
 
     From the times at which it stands, beyond the saddle and without contact damping (Sect. 8.2).
     """
-    p = SimpleNamespace(**newton.parameters(dataset) | {"mass": float(dataset.case_mass)})
+    p = SimpleNamespace(**newton.parameters(dataset) | {"mass": float(dataset.case_mass[0])})
     lead, gamma, inertia = p.mass * p.pitch_radius * np.tan(p.lead_angle), printed_laws.inertia(p, 1), p.screw_inertia
     drift = -_SHORT * p.coupling_stiffness * lead  # W = I P − m r_m tan λ T
     torque, speed = (inertia * float(dataset.case_axial_force[0]) - drift) / lead, 2 * p.input_speed

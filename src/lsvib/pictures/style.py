@@ -156,7 +156,7 @@ def stated(dataset: xr.Dataset) -> str:
     heads = zip(("As printed: ", "Assumed: ", ""), words.values(), strict=True)
     parts = [f"{head}{', '.join(dict.fromkeys(found))}." for head, found in heads if found]
     if "printed: Table 8.1" in origins:
-        parts.append("Otherwise Table 8.1." if parts else "All values: Table 8.1.")
+        parts.append("Otherwise Table 8.1." if parts else "Table 8.1.")
     text = re.sub(r"\^\{(-?\d+)\}", lambda power: power[1].translate(SUPERSCRIPTS), " ".join(parts))
     for command, letter in _LETTERS.items():
         text = text.replace(command, letter)
