@@ -27,17 +27,17 @@ from lsvib.pictures import drawing, style
 from lsvib.words import plain
 
 CAPTION = """\
-Amplitude of the steady vibration against axial force R for m = 1 kg and c_x = 1000 N s/m; below, phase portraits at
-three forces (insets in the chapter), which circles mark on the curve. Vibration sets in at the onset force, first comes
-to rest at the stick force, and no longer reaches N = 0 beyond the detach force.
+Amplitude of the steady vibration against axial force R; below, phase portraits at three forces (insets in the chapter),
+which circles mark on the curve. Vibration sets in at the onset force; the screw first stops at the stick force, and the
+cycle no longer reaches N = 0 beyond the detach force.
 """
 
 _THRESHOLDS = {"onset_force": "onset", "stick_force": "stick", "detach_force": "detach"}  # with words in the picture
 _REGIMES = {  # what the drive does: colour, words, dashes
-    "no vibration": (style.BLACK, "no vibration", "-"),
+    "no vibration": (style.GREY, "no vibration", (0, (1, 0.5))),
     "pure slip": (style.BLUE, "pure-slip cycle", "-"),
     "stick slip with contact reversal": (style.ORANGE, "stick–slip, reaches $N = 0$", "-"),
-    "stick slip": (style.VERMILION, "stick–slip, $N > 0$", (0, (2, 0.6))),
+    "stick slip": (style.WINE, "stick–slip, $N > 0$", (0, (2, 0.6))),
 }
 _INSETS = ("fig8_06.decays", "fig8_06.slips", "fig8_06.sticks")  # below the onset force, between, above the stick force
 _REACHED = ("steady sliding", "other cycle", "stick slip cycle")
@@ -218,7 +218,7 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     words = ", ".join(f"{float(dataset[f'printed_{name}']):g}" for name in _THRESHOLDS)
     for name, word in _THRESHOLDS.items():
         force = float(dataset[name])
-        axes.axvline(force, color=style.GREY, linewidth=0.8, linestyle=":", zorder=0)
+        axes.axvline(force, color=style.GREY, linewidth=0.8, linestyle=":", zorder=0, label="computed")
         axes.axvline(float(dataset[f"printed_{name}"]), **style.PRINTED, zorder=0, label=f"printed: {words} N")
         axes.text(force, 1.01 * top, f"{word} {force:.2f} N", ha="center", va="bottom")
     axes.set(xlabel=style.label(forces), xlim=forces[[0, -1]], ylim=(-0.02 * top, top))
