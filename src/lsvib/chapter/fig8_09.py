@@ -16,7 +16,8 @@ from lsvib.pictures import drawing, style
 
 CAPTION = """\
 Trajectories of the rigid drive (a) below and (b) above the critical mass; triangles on the lines point forward in time.
-Below it, the motion decays to steady sliding; above it, the screw alternately seizes (sprag) and slips for ever.
+Below it, the motion decays to steady sliding; above it, the screw alternately seizes (sprag) and slips for ever. A
+start beyond the line N = 0 of (b), where there is no solution, seizes at once.
 """
 
 _SWEEP = "of the last case with another axial force, from the first start"
@@ -52,12 +53,12 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
     planes = planes.assign_coords(varied(swept_axial_force=forces) | {"critical_mass": ((), critical, CRITICAL_MASS)})
     swept = all_endings(ManyDrives({**dict(drives[-1]), "axial_force": forces}), settings["starts"][0])
     speed, dim = swept.peak_normal_impulse / seizure_impulse(drives[-1], 1.0), "swept_axial_force"
-    speed[speed == 0] = np.nan
+    speed[speed == 0], words = np.nan, "screw speed before a seizure"
     return planes.assign(
         {
             "swept_attractor": phase_plane.attractors(dim, swept.attractor, comment=_SWEEP),
             "swept_amplitude": variable(dim, swept.amplitude, "rad", phase_plane.AMPLITUDE, comment=_SWEEP),
-            "impact_speed": variable(dim, speed, "rad s-1", "screw speed before a seizure", r"$\dot\theta$"),
+            "impact_speed": variable(dim, speed, "rad s-1", words, r"$\dot\theta$", comment=_SWEEP),
         }
     ).assign_attrs(about(__doc__, "exact event-driven motion and its return map", "Sect. 8.6.1, Fig. 8.9"))
 

@@ -67,7 +67,6 @@ def draw(dataset: xr.Dataset) -> style.Figure:
         if "cycle_u" not in case:  # none vibrates
             continue
         u, w, seized = drawing.cycle_of(case)
-        drawing.mark_seizures(axes, u[:-1][seized], w[:-1][seized], colour)
         lines.append((*drawing.parted(u[:-1], w[:-1], seized[:-1]), colour))
     drawing.mark_origin(axes)
     axes.margins(0.08)

@@ -71,7 +71,8 @@ def draw_motions(axes: style.Axes, case: xr.Dataset, widths: Sequence[float] = E
         if seized.any():
             before = [motion[f"event_{name}_before"].values[seized] for name in ("u", "w")]
             mark_seizures(axes, before[0], before[1], colour)
-        axes.plot(u[0], w[0], "o", color=colour, markerfacecolor="white", label="start", zorder=4.5)
+        size = 6 if (seized & (motion.event_time.values == 0)).any() else 4  # around the triangle of a seizure
+        axes.plot(u[0], w[0], "o", color=colour, mfc="white", markersize=size, label="start", zorder=4.5)
 
 
 def with_events(dataset: xr.Dataset, begin: bool = True) -> xr.Dataset:
@@ -112,9 +113,12 @@ def _motions(case: xr.Dataset) -> Iterator[tuple[xr.Dataset, np.ndarray, np.ndar
 def draw_cycle(
     axes: style.Axes, case: xr.Dataset, colour: str = style.BLACK, width: float = 1.8, name: str = "limit cycle"
 ) -> None:
-    """Draw the limit cycle of one case, if it has one, its jumps dotted."""
+    """Draw the limit cycle of one case, if it has one, its jumps dotted and their starts marked."""
     if "cycle_u" in case and np.isfinite(case.cycle_u).any():
-        _broken_line(axes, *cycle_of(case), colour, width, name)
+        u, w, jumps = cycle_of(case)
+        _broken_line(axes, u, w, jumps, colour, width, name)
+        if jumps.any():
+            mark_seizures(axes, u[:-1][jumps], w[:-1][jumps], colour)
 
 
 def cycle_of(case: xr.Dataset) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -125,7 +129,7 @@ def cycle_of(case: xr.Dataset) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 def mark_seizures(axes: style.Axes, u: np.ndarray, w: np.ndarray, colour: str) -> None:
     """Mark states in which a seizure starts."""
-    axes.plot(u, w, "v", color=colour, markersize=3.2, label="start of a seizure", zorder=3)
+    axes.plot(u, w, "v", color=colour, markersize=3.2, label="start of a seizure", zorder=5)
 
 
 def _broken_line(
@@ -166,19 +170,21 @@ def guide(figure: style.Figure, panels: Iterable[style.Axes], cases: Iterable[xr
 
 
 def write(axes: style.Axes, words: str, places: Iterable[tuple[float, float, float]], **look: Any) -> bool:
-    """Write words at the first place in a panel, x, y and an angle, where they cover none of its lines and words.
+    """Write words at the first place in a panel, x, y and an angle, that is clear of its lines, marks and words.
 
     Returns whether there is such a place. To be called when the figure is laid out.
     """
     text = axes.text(0, 0, words, rotation_mode="anchor", **look)
     taken = [line.get_transform().transform_path(line.get_path()) for line in axes.lines]
+    marks = [path for line, path in zip(axes.lines, taken, strict=True) if line.get_marker() != "None"]
     taken += [outline(other) for other in axes.texts[:-1] if other.get_text()]
     room = axes.bbox.padded(-axes.figure.dpi / 20)  # clear of the ticks
     for x, y, angle in places:
         text.set(x=x, y=y, rotation=angle)
-        own = outline(text)
+        around, own = outline(text, 5), outline(text)
         covers = (own.intersects_path(path, filled=False) or own.contains_points(path.vertices).any() for path in taken)
-        if all(room.contains(*corner) for corner in own.vertices) and not any(covers):
+        beside = (around.contains_points(path.vertices).any() for path in marks)
+        if all(room.contains(*corner) for corner in own.vertices) and not any((*covers, *beside)):
             return True
     text.remove()
     return False
