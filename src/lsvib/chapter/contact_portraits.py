@@ -311,7 +311,7 @@ def draw(dataset: xr.Dataset) -> style.Figure:
         damping = float(case.contact_damping_ratio)
         words = f"ours: contact damping, $\\zeta$ = {damping:.2g}" if damping else "elastic contact"
         axes.set_title(f"({letter}) {words}", y=1.0, pad=13)  # clear of the power of ten
-        axes.set(xlabel=style.label(case.contact_force), xlim=limits[0], ylim=limits[1])
+        axes.set(xlabel=style.label(case.contact_force, "scaled contact force"), xlim=limits[0], ylim=limits[1])
         drawing.arrows(axes, paths)
         for side, text in zip(case.law_side.values, ("law +: $N > 0$", "law −: $N < 0$"), strict=True):
             place = 0.02 * side * np.ptp(limits[0]), limits[1][0] + 0.04 * np.ptp(limits[1])
@@ -342,10 +342,10 @@ fig8_01 = Figure(
     ContactPortrait,
     """\
 Phase portrait of the contact force in stiff threads, in the indeterminate case and with the screw turning forwards, (a)
-without contact damping and (b), not in the chapter, with it. Abscissa: the chapter's force χ (8.8); ordinate: its rate,
-to the same scale on both sides. Law + has a saddle where the contact force is positive, law − a centre or a focus where
-it is negative; the saddle's stable manifold separates contact forces that stay bounded from those that grow without
-bound. In (a), part of the unstable manifold coincides with it. Arrows point forward in time.
+without contact damping and (b), not in the chapter, with it. Abscissa: the chapter's force χ (8.8), of opposite sign
+to N; ordinate: its rate, to the same scale on both sides. Law + has a saddle where N is positive, law − a centre or a
+focus where it is negative; the saddle's stable manifold separates contact forces that stay bounded from those that grow
+without bound. In (a), part of the unstable manifold coincides with it. Arrows point forward in time.
 """,
     partial(portrait, paradox=Paradox.INDETERMINATE, figure="8.1", places="Sect. 8.2, Fig. 8.1, Remark 8.1"),
     _indeterminate_checks,
