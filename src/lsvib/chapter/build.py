@@ -50,7 +50,7 @@ def dataset_of(figure: str, given: Mapping[str, Any], parts: Mapping[str, File] 
     for values that it cannot use it raises ``InputError``.
     ``given``: settings as in its section of ``config/config.yaml``; those that it does not name have their defaults.
     ``parts``: files of parts that are computed already, by name; the others are computed here.
-    The dataset has its caption as ``summary``, and what :func:`made_of` tells.
+    The dataset has the attributes that :func:`made_of` tells.
     """
     settings, module, files = complete_settings(figure, given), load(figure), parts or {}
     own = {
@@ -59,7 +59,7 @@ def dataset_of(figure: str, given: Mapping[str, Any], parts: Mapping[str, File] 
         if hasattr(module, name)
     }
     dataset: xr.Dataset = module.build(settings, **own)
-    return dataset.assign_attrs(made_of(figure, settings), summary=" ".join(load(figure).CAPTION.split()))
+    return dataset.assign_attrs(made_of(figure, settings))
 
 
 def made_of(figure: str, settings: Mapping[str, Any]) -> dict[str, str]:
