@@ -20,11 +20,11 @@ if TYPE_CHECKING:
 
 CAPTION = """\
 The engine at the edge of its domain. (a) Correct digits of the final state, judged by a reference with 40 digits, 22
-under a friction law, by family; black: effect of 16 units in the last place of the input. (b, c) Compliant threads over
-stiffness and damping of the contact, and the condition number of the modal form; circles mark failed cases. (d) Digits
-against the distance from an edge, (e) against the sliding speed over which friction falls from its static value,
-relative to the speed of steady sliding. (f) Digits to which the energy of motions under constant friction balances;
-orange where rounding alone may exceed the tolerance. See docs/validation.md.
+under a friction law, by family; vermilion: not passed; black, where computed: effect of 16 units in the last place of
+the input. (b, c) Compliant threads over stiffness and damping of the contact, and the condition number of the modal
+form; vermilion circles: not passed. (d) Digits against the distance from an edge, (e) against the sliding speed over
+which friction falls from its static value, relative to the speed of steady sliding. (f) Digits to which the energy of
+motions under constant friction balances; orange where rounding alone may exceed the tolerance. See docs/validation.md.
 """
 
 _SOURCE = "docs/validation.md"
