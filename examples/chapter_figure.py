@@ -11,7 +11,7 @@ from lsvib.chapter.configuration import standard_settings
 
 settings = standard_settings("fig8_09") | {
     "drive": {"friction_coefficient": 0.25, "axial_force": 100},
-    "cases": [{"mass": 5}, {"mass": 9}],  # below and above the critical mass
+    "cases": [{"mass": 5}, {"mass": 9}],  # two, one a panel: below and above the critical mass
     "starts": [{"u": 0.01, "w": 0}, {"u": -0.1, "w": 30}],  # rad, rad/s
 }
 found = dataset_of("fig8_09", settings)
