@@ -102,6 +102,12 @@ def test_stability_in_words(run, arguments, first, words):
     assert ("contact flutter instability: occurs" in text) == ("flutter" in first)
 
 
+def test_stability_of_the_drive_of_a_scene(run):
+    Path("scene.yaml").write_text("{drive: {mass: 11, axial_force: -10}, start: {u: 0, w: 1}, duration: 1}")
+    said = run("stability", "--scene", "scene.yaml", "--set", "mass=9", "--json")[1]
+    assert json.loads(said) == json.loads(json.dumps(Drive(mass=9, axial_force=-10).stability().to_json()))
+
+
 def test_a_drive_is_described(run):
     """Its equations have the numbers that were given, and a part that is not there no line."""
     arguments = (*GIVEN["support"], *GIVEN["threads"], "--set", "slide_friction=2")

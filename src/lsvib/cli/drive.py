@@ -120,7 +120,7 @@ def thresholds(
 
 
 @app.command
-def stability(*, changes: Changes = None, as_json: AsJson = False) -> None:
+def stability(*, changes: Changes = None, scene: SceneFile = None, as_json: AsJson = False) -> None:
     """Tell whether steady sliding is stable: class, eigenvalues, and which instabilities occur.
 
     Examples of use:
@@ -131,5 +131,8 @@ def stability(*, changes: Changes = None, as_json: AsJson = False) -> None:
 
         lsvib stability --set screw_mass=11.6 --set support_stiffness=1e6 --set mass=15 --set friction_coefficient=0.3
     """
-    report = drive_of(changes).stability()
+    from lsvib.answers.motion import as_scene
+    from lsvib.api import Drive
+
+    report = Drive.of(as_scene(scene, {}, dict(changes or ())).drive if scene else dict(changes or ())).stability()
     show(report.to_json(), as_json, report.text())
