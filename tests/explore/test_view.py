@@ -120,7 +120,21 @@ def test_a_sheet_opens_with_the_motion_of_its_report(monkeypatch):
     end, motion = answers.followed(view).steady, told[0].nominal.vibration
     assert (view.scene().start, plain(end.label)) == (motion.scene["start"], motion.attractor)
     assert 1 / end.period == pytest.approx(motion.frequency, rel=1e-9)
+    page = page_of(view)
+    page._say_words()
+    assert f"{1e6 * motion.amplitude:.4g} µm at the load" in page._words.text
+    assert f"({motion.frequency:.4g} Hz)" in page._words.text
     assert answers.followed(replace(view, more={})).steady.label == Attractor.STEADY_SLIDING
+
+
+@pytest.mark.slow
+def test_a_sheet_opens_with_the_friction_of_its_flanks_explained():
+    pytest.importorskip("lsvib.sheets.assessment", exc_type=ImportError)
+    view = view_of(Path(__file__).parents[2] / "examples" / "machine_slide.yaml")
+    assert view.note.startswith(f"Friction coefficients are {view.drive.friction_coefficient / 0.15:.4g} times those")
+    page = page_of(view)
+    page._say_words()
+    assert page._words.text.endswith("its flanks slope, and the equations are for a square thread.")
 
 
 @pytest.mark.parametrize(
@@ -255,6 +269,8 @@ def test_every_parameter_of_a_law_can_be_moved_and_varied():
     dry = lsvib.Drive(slide_friction=5, slide_static_friction=8)
     assert View(dry, over="slide_static_friction", **around(dry, "slide_static_friction")).low == 5.0
     controls.show(View())
+    assert "stribeck_rise" not in controls.fields
+    controls.all.active = [0]
     assert controls.sliders["stribeck_rise"].value == float(controls.fields["stribeck_rise"].value) == 0
 
 
@@ -370,3 +386,6 @@ def test_parts_are_put_in_and_taken_out():
     assert page.view.drive.parts == ("threads",)
     assert page.view.over == "axial_force"
     assert "support_stiffness" not in page.controls.fields
+    page.ask("slider:static_friction_coefficient", "0.4")  # whose slider has been hidden meanwhile
+    page._answer()
+    assert page.view.drive.static_friction_coefficient == 0.4

@@ -142,7 +142,7 @@ def view_of(file: Path) -> Any:
     """Return what a file of a scene or a data sheet shows first; raises ``InputError``."""
     from lsvib.explore.view import View
 
-    values = read_yaml(file)
+    values, note = read_yaml(file), ""
     if "modes" in values:
         raise InputError(
             f"{file} is a system, not a scene or data sheet; draw it with lsvib simulate --system --figure."
@@ -150,7 +150,10 @@ def view_of(file: Path) -> Any:
     if "drive" not in values:
         with _installed("explore with a sheet", "assess"):
             from lsvib.sheets import assessment, sheet
-        motion = assessment.assess(sheet.Sheet.read(file), samples=64).nominal.vibration
-        if not (values := motion.scene):
-            raise InputError(f"{file} has no motion that can be explored: {motion.reason}")
-    return View.of_scene(Scene.of(values))
+        shown = assessment.assess(sheet.Sheet.read(file), samples=64).nominal
+        if not (values := shown.vibration.scene):
+            raise InputError(f"{file} has no motion that can be explored: {shown.vibration.reason}")
+        if (factor := float(shown.there.draw.square(1.0))) > 1:
+            note = f"Friction coefficients are {factor:.4g} times those of the sheet: its flanks slope, and the"
+            note += " equations are for a square thread."
+    return View.of_scene(Scene.of(values), note)

@@ -6,6 +6,7 @@ from typing import Any
 from bokeh.layouts import column, row
 from bokeh.models import Button, CheckboxGroup, Column, CustomJS, Select, Slider, TextInput
 
+from lsvib.drives import friction
 from lsvib.drives.complaints import allowed_range
 from lsvib.drives.drive import IN_WORDS, PARTS, Drive, described, may_vanish
 from lsvib.explore.view import OF_LAW, View
@@ -44,8 +45,9 @@ class Controls:
     def __init__(self, view: View, asked: Asked) -> None:
         self._asked, self._silent = asked, False
         self.parts = CheckboxGroup(labels=list(IN_WORDS.values()), width=300, name="parts")
+        self.all = CheckboxGroup(labels=["show unused parameters, too"], width=300)
         self.over = Select(title="Curve over", width=190)
-        self.texts = {key: TextInput(title=title, width=90) for key, title in _TEXTS.items()}
+        self.texts = {key: TextInput(title=title, width=120) for key, title in _TEXTS.items()}
         self.fit = Button(label="Fit the window", width=110, align="end")
         self.sliders: dict[str, Slider] = {}
         self.fields: dict[str, TextInput] = {}
@@ -53,24 +55,27 @@ class Controls:
         self.names = CustomJS(args={"parameters": self.parameters}, code=_NAMES)
         for key, control in (("over", self.over), *self.texts.items()):
             control.on_change("value", self._ask(key))
+        self.all.on_change("active", lambda attribute, old, new: self.show(self._view))
         self.parts.on_change("active", self._ask("parts", lambda new: " ".join(tuple(PARTS)[k] for k in sorted(new))))
         self.fit.on_click(lambda: asked("fit", ""))
         self.show(view)
 
     def show(self, view: View) -> None:
         """Set the controls to a view, without asking anything by that."""
-        self._silent = True
+        self._silent, self._view = True, view
         try:
-            values = view.drive.model_dump(exclude_none=True)  # without those of parts that are not there
+            every = view.drive.model_dump(exclude_none=True)  # without those of parts that are not there
+            used = {*dict(view.drive), *(friction.NAMES if friction.depends_on_speed(view.drive) else ())}
+            values = {key: value for key, value in every.items() if self.all.active or key in used}
             if self.fields.keys() != values.keys():
                 self._make_fields(values)
             self.parts.active = [k for k, part in enumerate(PARTS) if part in view.drive.parts]
-            self.over.options = list(values)
+            self.over.options = list(every)
             self.over.value = view.over
             for key, control in self.texts.items():
-                control.value = f"{getattr(view, key):.10g}"
+                control.value = f"{getattr(view, key):.6g}"
             for key, value in values.items():
-                self.fields[key].value = f"{value:.10g}"
+                self.fields[key].value = f"{value:.6g}"
                 self._place(key, value)
         finally:
             self._silent = False
@@ -78,7 +83,7 @@ class Controls:
     def say_value(self, key: str, value: float) -> None:
         """Write a value that a slider gave into the field beside it."""
         self._silent = True
-        self.fields[key].value = f"{value:.10g}"
+        self.fields[key].value = f"{value:.6g}"
         self._silent = False
 
     def _make_fields(self, keys: Iterable[str]) -> None:

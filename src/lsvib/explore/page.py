@@ -8,6 +8,7 @@ from dataclasses import replace
 from functools import partial
 from html import escape
 from itertools import pairwise
+from math import pi, tan
 from time import perf_counter
 from typing import Any
 
@@ -20,7 +21,7 @@ from bokeh.models import CustomJS, Div, Row
 
 from lsvib import numbers
 from lsvib.drives import chapter, friction
-from lsvib.drives.drive import PARTS
+from lsvib.drives.drive import PARTS, Drive
 from lsvib.dynamics.curves import Window
 from lsvib.errors import InputError, LsvibError
 from lsvib.explore import answers
@@ -128,7 +129,7 @@ class Page:
         parameters, changes = dict[str, Any](), dict[str, Any]()
         for key, text in asked.items():
             name = key.removeprefix("slider:")
-            if name in self.controls.fields:
+            if name in Drive.model_fields:
                 parameters[name] = text
             elif key == "over":
                 changes |= {"over": text, **around(before.drive, text)}
@@ -141,7 +142,7 @@ class Page:
                 changes["window"] = None
             elif key != "parts":
                 changes[key] = numbers.start(key, text)
-            if key.startswith("slider:"):
+            if key.startswith("slider:") and name in self.controls.fields:
                 self.controls.say_value(name, numbers.start(name, text))
         return replace(before, drive=before.drive.replace(**parameters), **changes)
 
@@ -243,14 +244,19 @@ class Page:
 
     def _say_words(self, curves: Sequence[xr.Dataset] = ()) -> None:
         view, shown, steady = self.view, self.shown, self.shown.steady
-        words = [f"The motion of {view.duration:g} s has {shown.events} event{'s' * (shown.events != 1)}."]
+        rpm, lead = 30 / pi * view.drive.input_speed, 2e3 * pi * view.drive.pitch_radius * tan(view.drive.lead_angle)
+        words = [f"The motion of {view.duration:g} s at {rpm:.4g} rpm (lead {lead:.4g} mm) has {shown.events} event"]
+        words[0] += "." if shown.events == 1 else "s."
         if steady is None:
             words.append("Where it ends is unresolved.")
         elif steady.orbit is None:
             words.append(f"It ends on {plain(steady.label)}.")
         else:
             end = f"a {plain(steady.label)}".replace("a other", "another")
-            words.append(f"It ends on {end} of amplitude {steady.amplitude:.4g} rad and period {steady.period:.4g} s.")
+            load = 0.5e3 * float(np.ptp(steady.extremes(steady.orbit.automaton.observables["load_place"][0])))
+            at_load = f"{load:.4g} mm" if load >= 0.1 else f"{1e3 * load:.4g} µm"
+            words.append(f"It ends on {end} of amplitude {steady.amplitude:.4g} rad ({at_load} at the load) and period")
+            words.append(f"{steady.period:.4g} s ({1 / steady.period:.4g} Hz).")
         try:
             stability = view.drive.stability()
             words.append(f"Steady sliding is {'stable' if stability.stable else 'unstable'} ({plain(stability.kind)}).")
@@ -274,7 +280,7 @@ class Page:
             vibrate = ", and ".join(map(_vibrating, curves, places))
             drives = f"{curves[0].amplitude.size} drives with {view.over} from {view.low:g} to {view.high:g}"
             words.append(f"Of {drives}, {vibrate}.")
-        self._words.text = escape(" ".join(words))
+        self._words.text = escape(" ".join([*words, view.note]).strip())
         patches = [
             f'<span style="display:inline-block;width:1em;height:1em;background:{COLOURS[plain(kind)]};opacity:.5">'
             f"</span>&nbsp;{plain(kind)}"
@@ -289,7 +295,7 @@ class Page:
         curve = _line(c.over, c.texts["low"], c.texts["high"])
         others = column(self.plots.curve, curve, self.plots.force, self.plots.friction, **_NARROW)
         heading = Div(text=_HEADING, name="heading", sizing_mode="stretch_width")
-        body = _line(plane, column(c.parts, c.parameters), others)
+        body = _line(plane, column(c.parts, c.all, c.parameters), others)
         self.document.add_root(column(heading, body, sizing_mode="stretch_width"))
         self.document.title = "lsvib explorer"
         self.document.template = _TEMPLATE
@@ -304,5 +310,5 @@ def _vibrating(curve: xr.Dataset, place: str) -> str:
     """How many points of an amplitude curve vibrate that started in some place."""
     (over,), size = curve.dims, curve.amplitude.values
     values = curve[over].values[size > 0]
-    first = f", the first at {values[0]:.4g}" if values.size else ""
-    return f"{values.size or 'none'} vibrate when started {place}{first}"
+    where = f", between {values[0]:.4g} and {values[-1]:.4g}" if values.size else ""
+    return f"{values.size or 'none'} vibrate when started {place}{where}"

@@ -44,7 +44,7 @@ _LOOKS: dict[str, dict[str, list[Any]]] = {  # of the rows of the sources, befor
         "label": ["N = 0", "θ′ = 0", "limit cycle", "motion"],
         "colour": [style.VERMILION, style.GREY, style.BLACK, style.BLUE],
         "dash": [[5, 3], [6, 2, 1, 2], [], []],
-        "width": [1.0, 1.0, 2.5, 1.5],
+        "width": [1.0, 1.0, 4.5, 1.5],  # the motion ends on the cycle, which shows on both sides of it
     },
     "points": {  # the origin, and the start
         "x": [0.0, 0.0],
@@ -96,7 +96,7 @@ class Plots:
         for label, colour, dash, width in zip(*looks, strict=True):
             # A line of which nothing is seen stands in the legend for each line, which may lie outside the window.
             made.line([math.nan], [math.nan], legend_label=label, color=colour, line_dash=dash, line_width=width)
-        made.legend.update(location="top_right", background_fill_alpha=0.6, padding=4, label_text_font_size="11px")
+        _legend_below(made)
         made.axis.formatter = BasicTickFormatter(power_limit_low=-4)  # 0.003, not 3.000e-3
         made.xaxis.major_label_policy = NoOverlap()
         return made
@@ -115,8 +115,7 @@ class Plots:
             "x", "y", source=self.sources["curve"], line_color="colour", fill_color=None, size=9,
             legend_label="from the start",
         )  # fmt: skip
-        made.legend.update(location="top_left", background_fill_alpha=0.6, padding=2, spacing=0)
-        made.legend.label_text_font_size = "11px"
+        _legend_below(made)
         return made
 
     def _force(self) -> figure:
@@ -203,6 +202,13 @@ def _figure(
         name=name, title=title, width=width, height=height, tools=tools, x_range=x, y_range=y,
         html_attributes={"role": "group", "aria-label": f"{title}; described in words below"}, **_NARROW,
     )  # fmt: skip
+
+
+def _legend_below(made: figure) -> None:
+    """Put the legend below a drawing, where it covers nothing."""
+    made.legend.update(orientation="horizontal", border_line_color=None, padding=0, margin=0, spacing=8, glyph_width=16)
+    made.legend.update(label_standoff=3, label_text_font_size="11px")
+    made.add_layout(made.legend[0], "below")
 
 
 def _steady_range(values: np.ndarray) -> tuple[float, float]:

@@ -30,8 +30,8 @@ class View:
 
     ``u`` [rad] and ``w`` [rad/s], where the motion starts, and ``more`` coordinates of drives with parts, the others as
     in steady sliding; ``duration`` [s]; ``window`` of the phase plane [rad, rad/s], None for one that holds the motion
-    and its limit cycle; ``over``, the parameter of the amplitude curve, from ``low`` to ``high`` in its SI unit. Raises
-    ``InputError`` for what is not acceptable.
+    and its limit cycle; ``over``, the parameter of the amplitude curve, from ``low`` to ``high`` in its SI unit;
+    ``note``, which no link carries: how the data sheet was read. Raises ``InputError`` for what is not acceptable.
     """
 
     drive: Drive = field(default_factory=Drive)
@@ -43,6 +43,7 @@ class View:
     low: float = 1.0
     high: float = 60.0
     more: Mapping[str, float] = field(default_factory=dict)
+    note: str = field(default="", compare=False)
 
     def __post_init__(self) -> None:
         """Check everything that a link may have got wrong."""
@@ -69,11 +70,11 @@ class View:
         return Scene(**self._scene(self.drive))
 
     @classmethod
-    def of_scene(cls, scene: Scene) -> Self:
+    def of_scene(cls, scene: Scene, note: str = "") -> Self:
         """Return the view of a scene; raises ``InputError`` if its motion is one that the page cannot show."""
         drive, start = Drive(**dict(scene.drive)), scene.start
         more = {key: value for key, value in start.items() if key not in ("u", "w")}
-        view = cls(drive, start["u"], start["w"], scene.duration, more=more, **around(drive, cls.over))
+        view = cls(drive, start["u"], start["w"], scene.duration, more=more, note=note, **around(drive, cls.over))
         for key, word in (("rests", "physics"), ("command", "command"), ("resume", "resume")):
             if getattr(scene, key) != getattr(view.scene(), key):
                 raise InputError(f"the page cannot show the {word} of this scene; lsvib simulate --scene does.")
