@@ -94,7 +94,7 @@ def advised(lines: list[str]) -> Iterator[tuple[str, float, bool]]:
     A damping that is added is told by its value.
     """
     for line in lines:
-        changes = filter(None, line.rstrip(".").partition(" at the middle values: ")[2].split("; "))
+        changes = filter(None, line.rstrip(".").partition(" (of a range, the middle): ")[2].split("; "))
         for words, figure, power, kind, knock in (CHANGE.match(text).groups() for text in changes):
             power = (power or "0").translate(str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789"))
             number = float(figure) * 10.0 ** int(power)

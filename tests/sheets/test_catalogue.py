@@ -71,7 +71,7 @@ def test_a_stepper_meets_a_resonance_with_its_steps():
     found = assess(Sheet.of(own), samples=64)
     full, told = 60 * found.resonances[0].frequency / 400, said("stepper", found)
     assert found.resonances[0].met.keys() == {1, 2}
-    assert f"full step at {full:.3g} rpm of the screw, every second step at {2 * full:.3g} rpm" in told
+    assert f"by the step rate at {full:.3g} rpm of the screw, half of the step rate at {2 * full:.3g} rpm" in told
 
 
 def test_the_parts_of_the_worst_torque_add_up_and_a_guess_is_named():

@@ -18,12 +18,15 @@ from lsvib.sheets.move import Ripple, ripple
 from lsvib.sheets.sheet import Sheet
 from lsvib.sheets.statics import Statics, statics
 from lsvib.sheets.uncertainty import Uncertainty, ends, study
-from lsvib.sheets.window import OperatingWindow
-from lsvib.sheets.words import TOLERATED, VERDICTS
+from lsvib.sheets.window import OperatingWindow, worst
+from lsvib.sheets.words import TOLERATED
 from lsvib.stability.spectrum import polynomial
 
 PEAK = math.sqrt(0.5)  # the damping ratio from which on no frequency stands out
 BESIDE = 1.25  # times beyond the window up to which a speed is said
+ZERO = {"coupling.inertia": "kg m2", "damping.rotational": "N m s rad-1", "damping.translational": "N s m-1",
+        "bearing.torque": "N m", "guide": "N", "friction.slope": "s m-1"}  # taken as zero if not given  # fmt: skip
+DESIGNED = ("thread", "screw", "load", "operation", "motor")  # whose single values count as known
 EVERY = (1, 2, 4)  # steps after which the torque of a stepper with N_r teeth repeats, at 4 N_r n, 2 N_r n and N_r n
 Mode = tuple[float, float]  # frequency |s| / 2π [Hz] and damping ratio −Re s / |s| [1] of an eigenvalue s
 
@@ -153,11 +156,31 @@ class Assessment:
         """The small oscillations at the middle values, where the reserve is lowest."""
         return resonances(self.nominal.there)
 
+    @cached_property
+    def unstable(self) -> list[int]:
+        """The directions of travel in which steady running is unstable at the middle values."""
+        sheet, found = self.draw.sheet, []
+        for way in sheet.directions:
+            run = sheet.operation.model_copy(update={"direction": "out" if way > 0 else "back"})
+            lowest = worst(replace(self.draw, sheet=sheet.model_copy(update={"operation": run})))
+            found += [way] if any(lowest[name].reserve[0] < 0 for name in self.mechanisms) else []
+        return found
+
+    @cached_property
+    def omitted(self) -> dict[str, float | None]:
+        """Entries taken as zero because not given, each with the value that alters whether steady running is stable."""
+        given, law = self.draw.sheet.paths(), ["friction.slope"] * self.draw.sheet.friction.law
+        found = {row.about.entry: row.value for row in self.margins if row.factor is None and row.value}
+        inertia = next(row.value for row in self.margins if row.quantity == "screw_inertia") or 0.0
+        found["coupling.inertia"] = max(inertia - self.draw.values["screw_inertia"], 0.0) or None
+        return {path: found.get(path) for path in ZERO if path not in (*given, *law)}
+
     @property
-    def sentence(self) -> str:
-        """The verdict in words."""
-        weak, own = self.statics.sentence, VERDICTS[self.vibration]
-        return f"{weak} What follows assumes one that is strong enough. {own}" if weak else own
+    def single(self) -> list[Change]:
+        """The changes by less than half that alter it, of quantities given as a single value that none may know."""
+        varied = {path.split(".")[0] for path in self.draw.sheet.random} | set(DESIGNED)
+        near = [row for row in self.margins if row.is_near(1.5)]
+        return [row for row in near if row.about.entry.split(".")[0] not in varied]
 
     @cached_property
     def efficiency(self) -> dict[str, float | None]:

@@ -113,6 +113,12 @@ class Draw:
         return self.values["mass"] * GRAVITY * np.sin(self.values["tilt"])
 
     @property
+    def lifts(self) -> int:
+        """The direction of travel that lifts the load, if no other force exceeds its weight along the axis; else 0."""
+        most = max(abs(self.values[key]) for key in PAIRS["force"])
+        return int(np.sign(self.weight)) if abs(self.weight) >= most else 0
+
+    @property
     def collar(self) -> Any:
         """What a thrust collar adds to |ξ_s|, μ_b r_b / r_m [1]; zero without one."""
         collar = self.values.get("collar_friction", 0.0) * self.values.get("collar_diameter", 0.0)

@@ -132,7 +132,8 @@ def as_json(assessment: Assessment) -> dict[str, Any]:
         "name": assessment.draw.sheet.name,
         "verdict": assessment.verdict,
         "vibration": assessment.vibration,
-        "sentence": assessment.sentence,
+        "sentence": said("verdict", assessment),
+        "taken_as_zero": assessment.omitted,
         "brief": brief(assessment),
         **_of_any(assessment.draw, assessment.statics),
         "ripple": assessment.ripple and vars(assessment.ripple),
@@ -269,7 +270,7 @@ def dataset(assessment: Assessment, charts: list[Chart]) -> "xr.Dataset":
             "source": "lsvib assess",
             "references": "Vahid-Araghi and Golnaraghi, Friction-Induced Vibration in Lead Screw Drives, Springer "
             "2011, chapter 8",
-            "verdict": f"{assessment.verdict}. {assessment.sentence}",
+            "verdict": f"{assessment.verdict}. {said('verdict', assessment)}",
             "samples": assessment.uncertainty.samples,
             "seed": assessment.seed,
             "worst_case_scene": json.dumps(assessment.worst.vibration.scene),

@@ -63,7 +63,8 @@ def operating_chart(charts: list[Chart], chart: Chart, assessment: Assessment) -
         axis.plot([low, high], [bottom, bottom + height], "o-", color=style.BLUE, linewidth=1.6)
     axis.set(xlim=(0, speed[-1]), ylim=(chart.force[0], chart.force[-1]))
     axis.set(xlabel="Speed of the load [mm/s]", ylabel="Force against outward travel [N]")
-    axis.set_title("Outward" if chart.direction > 0 else "Back")
+    lifts = assessment.draw.lifts
+    axis.set_title((("Lifting", "Lowering")[::lifts] if lifts else ("Outward", "Back"))[chart.direction < 0])
     seen = np.unique([one.kind for one in charts])
     handles = [Patch(color=_COLOURS[KINDS[k]], label=_NAMES[KINDS[k]]) for k in seen]
     handles.append(Patch(fill=False, edgecolor=style.BLUE, linewidth=1.6, label="operating window"))

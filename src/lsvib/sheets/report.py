@@ -19,7 +19,7 @@ from lsvib.drives import friction
 from lsvib.errors import InputError
 from lsvib.files import write_json, write_text
 from lsvib.sheets import words
-from lsvib.sheets.assessment import Assessment, modes
+from lsvib.sheets.assessment import ZERO, Assessment, modes
 from lsvib.sheets.catalogue import STEPS, Purchase
 from lsvib.sheets.changes import Change, applied
 from lsvib.sheets.draw import Draw
@@ -45,7 +45,7 @@ def _templates(html: bool) -> Environment:
     found = words.environment(html)
     found.globals |= vars(words) | {"EFFORTS": EFFORTS, "BEYOND": BEYOND, "POOR": POOR, "drops": drops, "inf": math.inf}
     found.globals |= {"said": said, "entry_text": entry_text, "NUT_MATERIALS": NUT_MATERIALS}
-    found.globals |= {"LIMITED": LIMITED, "SETTLED": SETTLED, "STEPS": STEPS}
+    found.globals |= {"LIMITED": LIMITED, "SETTLED": SETTLED, "STEPS": STEPS, "ZERO": ZERO}
     return found
 
 
@@ -63,12 +63,13 @@ def brief(assessment: Assessment) -> list[str]:
     """Return the short answer for the shell, a sentence or two to a line: verdict, statics, limits, three changes."""
     known = 0 < (assessment.from_rest.even_speed or 0.0) < math.inf
     told = assessment.vibration not in ("vibrates", "steady without reserve") or known
-    first = f"{assessment.sentence} {said('from_rest', assessment.from_rest) if told else ''}".strip()
+    first = f"{said('verdict', assessment)} {said('from_rest', assessment.from_rest) if told else ''}".strip()
     advised = ("changes", "purchases") if assessment.vibration in ("vibrates", "jerks") else ()
     changes = [said(name, assessment) for name in ("stepper", *advised)]
     own = said("nut", assessment.draw.sheet), said("curve", of_curve(assessment.draw))
     more = said("move", assessment.draw), said("ripple", assessment), *own
-    return [line for line in (first, *of_statics(assessment.statics), *more, *changes) if line]
+    sure = said("sure", assessment)
+    return [line for line in (first, sure, *of_statics(assessment.statics), *more, *changes) if line]
 
 
 def of_statics(found: Statics) -> list[str]:
@@ -120,11 +121,10 @@ def report(assessment: Assessment, charts: list[Chart], solved: str = "") -> str
         assessment=assessment,
         statics=assessment.statics,
         solved=solved,
-        sentence=assessment.sentence,
+        sentence=said("verdict", assessment),
         curve=said("curve", of_curve(assessment.draw)),
         sheet=sheet,
         spread=assessment.uncertainty,
-        worst=worst.vibration,
         names=assessment.names,
         changes=[row for row in assessment.changes if row.factor]
         if assessment.vibration == "jerks"

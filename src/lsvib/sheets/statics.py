@@ -53,8 +53,8 @@ class Statics:
     """All rows; ``back_drives``: whether the load can turn the screw when the current is off.
 
     False, ``at the middle values`` or ``within the uncertainties``; None if nothing pushes the load. ``falls``: whether
-    what pushes it may have the direction of its weight. ``verdict`` on motor and brake, a key of
-    :data:`lsvib.sheets.words.VERDICTS`, None if they are strong enough, and its ``sentence``; ``highest_speed``:
+    what pushes it may have the direction of its weight; ``lifts``: that of a draw. ``verdict`` on motor and
+    brake, of :data:`lsvib.sheets.words.VERDICTS`, None if they are strong enough; its ``sentence``; ``highest_speed``:
     :func:`lsvib.sheets.motor.highest_speeds`. ``parts``: of the worst torque against the load, by
     :data:`lsvib.sheets.words.TORQUE_PARTS`, ``torque`` [N m], ``share`` [1], and ``guess``, the name of one behind it.
     """
@@ -62,6 +62,7 @@ class Statics:
     rows: dict[str, Row]
     back_drives: str | bool | None
     falls: bool
+    lifts: int = 0
     verdict: str | None = None
     sentence: str = ""
     highest_speed: dict[str, dict[str, float]] = field(default_factory=dict)
@@ -131,7 +132,7 @@ def row_of(sheet: Sheet, key: str, side: str = "middle") -> Row | None:
 def statics(sheet: Sheet) -> Statics:
     """Return all rows for which a sheet has the entries, at the middle values and at the worst ones."""
     draw = Draw.of(sheet)
-    middle = _at_middle(draw)
+    middle, lifts = _at_middle(draw), draw.lifts
     nominal, surely_pushed = _everywhere(draw), _pushed(draw).any()
     draw = Draw.of(sheet, ends(sheet))
     if sheet.friction.curve and not np.all(draw.friction_at(draw.values["speed_high"])[0]):
@@ -142,7 +143,7 @@ def statics(sheet: Sheet) -> Statics:
     worst, unasked = _everywhere(draw), _unasked(sheet)
     rows = {key: _row(key, worst[key], middle.get(key)) for key in ABOUT if key in worst}
     parts = _parts(draw, worst["lifting_torque"][0], *_points(draw)) if "lifting_torque" in worst else {}
-    more = {**_weak(rows, nominal), "highest_speed": motor.highest_speeds(draw), "parts": parts}
+    more = {**_weak(rows, nominal), "lifts": lifts, "highest_speed": motor.highest_speeds(draw), "parts": parts}
     holding, pushed = rows["holding_friction"], _pushed(draw)
     falls = bool((pushed * draw.weight > 0).any())
     if not pushed.any():
