@@ -245,6 +245,7 @@ FALLS_BETWEEN = """
     friction: {coefficient: 0.1, stribeck_rise: 0.05, stribeck_speed: 12 mm/s, stribeck_exponent: 2}
     damping: {rotational: 6e-3 N*m*s/rad, translational: 10 N*s/m}
 """
+RANGE = {"stiffness": ["40 N*m/rad", "60 N*m/rad"]}
 UNDAMPED = """
     thread: {size: Tr 16x4}
     screw: {length: 400 mm, material: steel}
@@ -353,10 +354,12 @@ def test_vibration_that_starts_from_rest_alone_is_seen():
     assert found.from_rest.even_speed == pytest.approx(34.705, rel=1e-3)
 
 
-def test_the_row_of_vibration_says_what_was_drawn():
-    given = sheet_of(UNDAMPED, operation={"speed": "10 mm/s"}, damping={"rotational": "1e-3 N*m*s/rad"})
-    found = assess(given, samples=64)
-    assert "steady in all drives drawn</td>" in report(found, [])
+def test_what_was_drawn_is_said_and_that_of_single_values_nothing_was():
+    given = {"operation": {"speed": "10 mm/s"}, "damping": {"rotational": "1e-3 N*m*s/rad"}}
+    single, drawn = (assess(sheet_of(UNDAMPED, **given, **more), 64) for more in ({}, {"coupling": RANGE}))
+    assert "In 0 % of them steady" in report(drawn, [])
+    assert "drives were drawn" not in report(single, [])
+    assert "single values only, so nothing was varied" in brief(single)[1]
 
 
 def test_changes_name_a_damping_that_the_sheet_does_not_give():

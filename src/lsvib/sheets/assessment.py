@@ -170,7 +170,7 @@ class Assessment:
     def omitted(self) -> dict[str, float | None]:
         """Entries taken as zero because not given, each with the value that alters whether steady running is stable."""
         given, law = self.draw.sheet.paths(), ["friction.slope"] * self.draw.sheet.friction.law
-        found = {row.about.entry: row.value for row in self.margins if row.factor is None and row.value}
+        found: dict[str, float | None] = {row.about.entry: row.value for row in self.margins if row.factor is None}
         inertia = next(row.value for row in self.margins if row.quantity == "screw_inertia") or 0.0
         found["coupling.inertia"] = max(inertia - self.draw.values["screw_inertia"], 0.0) or None
         return {path: found.get(path) for path in ZERO if path not in (*given, *law)}
