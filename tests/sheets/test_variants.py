@@ -23,7 +23,9 @@ ROWS = {  # of a table, and what they change
     "heavier;;[6, 12];;;10 %;": {"load": {"force": ["6 kN", "12 kN"]}, "friction": {"coefficient": "10 %"}},
     "free;null;;5;22,5;;": {"thread": {"lead": "5 mm", "pitch_diameter": "22.5 mm"}},
     "jams;null;;30;22.5;3;": {"thread": {"lead": "30 mm", "pitch_diameter": "22.5 mm"}, "friction": {"coefficient": 3}},
-    "moved;;;;;;50": {"load": {"force": "5 kN", "mass": "50 kg"}},
+    "moved;;;;;;5e1": {"load": {"force": "5 kN", "mass": "50 kg"}},
+    "moved more;;[5e3 N, 6e3 N];;;;5,5e+1": {"load": {"force": ["5 kN", "6 kN"], "mass": "55 kg"}},
+    "little;;5e-3;;;;": {"load": {"force": "5 N"}},
     "wrong;Tr 20x4;;5;;;": "thread.size and thread.lead are both given; give one of them.",
 }
 

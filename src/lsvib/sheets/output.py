@@ -29,6 +29,7 @@ from lsvib.sheets.inverse import Solved, solved
 from lsvib.sheets.report import brief, of_curve, of_statics, report, said, size_report
 from lsvib.sheets.sheet import Sheet
 from lsvib.sheets.statics import Statics, statics
+from lsvib.sheets.units import plain, split
 from lsvib.sheets.words import ABOUT, QUANTITIES, us_units_too
 
 if TYPE_CHECKING:
@@ -351,7 +352,8 @@ def _value(cell: str, unit: str) -> Any:
         return cell
     if isinstance(value, list):
         return [_value(str(one), unit) for one in value]
-    return f"{cell} {unit}" if unit and isinstance(value, int | float) else value
+    bare = unit and (found := split(plain(cell))) and not found[1]  # 2e-6 too, which YAML takes for text
+    return f"{cell} {unit}" if bare else value
 
 
 def _said(result: Mapping[str, Any]) -> dict[str, Any]:
