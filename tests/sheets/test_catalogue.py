@@ -7,6 +7,7 @@ from references.random_sheets import CHAPTER
 from references.sizes import sizes
 
 from benchmarks.sheets.own_sheets import OwnSheet
+from lsvib import Drive
 from lsvib.errors import InputError
 from lsvib.sheets.assessment import assess, modes
 from lsvib.sheets.draw import Draw
@@ -72,6 +73,33 @@ def test_a_stepper_meets_a_resonance_with_its_steps():
     full, told = 60 * found.resonances[0].frequency / 400, said("stepper", found)
     assert found.resonances[0].met.keys() == {1, 2}
     assert f"by the step rate at {full:.3g} rpm of the screw, half of the step rate at {2 * full:.3g} rpm" in told
+
+
+LIFT = {
+    "name": "a lift table", "thread": {"size": "Tr 14x3"}, "screw": {"length": "380 mm", "material": "stainless steel"},
+    "coupling": {"stiffness": "60 N*m/rad"}, "load": {"mass": "35 kg", "orientation": "vertical"},
+    "motor": {"inertia": "440 g*cm^2", "holding_torque": "1.9 N*m", "steps_per_turn": 200},
+    "operation": {"speed": "300 rpm"}, "friction": {"coefficient": 0.15},
+    "damping": {"rotational": "2e-4 N*m*s/rad", "translational": "50 N*s/m"},
+}  # fmt: skip
+
+
+def test_a_stepper_gives_what_the_simulated_motion_takes():
+    """By Newton for its rotor, torque of the coupling and J α, over forty periods; lowering alone vibrates here."""
+    curve = {"torque_curve": [["0 rpm", "2 N*m"], ["300 rpm", "1.4 N*m"], ["600 rpm", "1 N*m"]]}
+    found = assess(Sheet.of(LIFT | {"motor": LIFT["motor"] | curve, "fixed": [*LIFT.keys() - {"name"}]}), samples=64)
+    moved = found.nominal.vibration
+    drive = Drive(**moved.scene["drive"])
+    seen = drive.simulate(moved.scene["start"], duration=40 / moved.frequency, samples=40_001)
+    inertia, rate = drive.motor_inertia, seen["motor_rate"].differentiate("time")
+    torque = abs(seen["coupling_torque"] + inertia * rate)[-2000:]
+    assert (moved.motor_torque, found.pull[1]) == pytest.approx([float(torque.max())] * 2, rel=2e-3)
+    told = f"in the vibration at the middle values it must deliver up to {1e3 * moved.motor_torque:.3g} mN m of 1.4 N m"
+    assert told in said("ripple", found)
+    assert 3 * found.statics.rows["lowering_torque"].worst < moved.motor_torque < 0.85
+    calm = assess(Sheet.of(LIFT | {"load": {"mass": "25 kg", "orientation": "vertical"}}), samples=64)
+    row = calm.statics.rows["motor_torque"]
+    assert (calm.verdict, calm.pull) == ("steady", ("in steady running", row.worst, 1.9))
 
 
 def test_the_parts_of_the_worst_torque_add_up_and_a_guess_is_named():

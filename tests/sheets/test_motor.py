@@ -102,7 +102,7 @@ def test_what_is_too_weak_is_said_first(more, verdict, first):
     assert (told["verdict"], told["vibration"], told["brief"][0][: len(first)]) == (verdict, "steady", first)
     assert all(text in page for text in (first, *told["brief"][4:]))
     assert ("holding torque at every speed" in page) == ("holding_torque" in more.get("motor", ()))
-    assert ("only up to about half its holding torque" in page) == ("100 mN m" in first)
+    assert ("about half the torque that it can give; in steady running it must" in page) == ("100 mN m" in first)
 
 
 @pytest.mark.parametrize("back", [False, True])

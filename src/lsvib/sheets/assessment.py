@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from lsvib.errors import InputError
+from lsvib.sheets import motor
 from lsvib.sheets import vibration as motions
 from lsvib.sheets.catalogue import Purchase, purchases
 from lsvib.sheets.changes import ANY, Change, advice, margins
@@ -63,9 +64,9 @@ def resonances(there: Operation) -> list[Resonance]:
 def _resonance(draw: Draw, mode: Mode, points: list[list[Mode]]) -> Resonance:
     near = [min(own, key=lambda one: abs(math.log(one[0] / mode[0]))) for own in points]
     frequencies, ratios = ((min(ends), max(ends)) for ends in zip(*near, strict=True))
-    met, motor = dict[int, float](), draw.sheet.motor
-    if motor and motor.holding_torque and mode[1] < PEAK:
-        full = 2 * math.pi * mode[0] / motor.steps_per_turn / draw.entries.get("coupling.gear_ratio", 1.0)
+    met, own = dict[int, float](), draw.sheet.motor
+    if own and own.holding_torque and mode[1] < PEAK:
+        full = 2 * math.pi * mode[0] / own.steps_per_turn / draw.entries.get("coupling.gear_ratio", 1.0)
         low, high = draw.values["speed_low"] / BESIDE, draw.values["speed_high"] * BESIDE
         met = {steps: steps * full for steps in EVERY if low <= steps * full <= high}
     return Resonance(*mode, frequencies, ratios, met)
@@ -174,6 +175,20 @@ class Assessment:
         inertia = next(row.value for row in self.margins if row.quantity == "screw_inertia") or 0.0
         found["coupling.inertia"] = max(inertia - self.draw.values["screw_inertia"], 0.0) or None
         return {path: found.get(path) for path in ZERO if path not in (*given, *law)}
+
+    @cached_property
+    def pull(self) -> tuple[str, float, float] | None:
+        """Where a stepper is nearest to its limit, its largest torque and its limit there [N m]; None without one."""
+        rows, entries = self.statics.rows, self.draw.entries
+        if "motor" not in self.draw.sheet.parts or "motor.holding_torque" not in entries:
+            return None
+        steady = (("in steady running", "motor_torque"), ("in a ramp", "peak_torque"))
+        found = [(words, rows[key].worst, rows[key].limit or 0.0) for words, key in steady if key in rows]
+        for words, one in (("at the middle values", self.nominal), ("in the worst case", self.worst)):
+            if torque := one.vibration.motor_torque:
+                own, given = one.there.draw, motor.limit(one.there.draw, motor.RAMP, one.there.speed)
+                found.append((f"in the vibration {words}", float(motor.before_gear(own, torque)), float(given)))
+        return max(found, key=lambda one: one[1] / one[2] if one[2] else math.inf)
 
     @property
     def single(self) -> list[Change]:

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 _OF_MOTIONS = ("parts", "attractor", "vibrates", "frequency", "audible", "amplitude", "load_speed", "screw_speed",
-               "peak_contact_force", "peak_impulse", "motor_swing", "reason", "scene")  # fmt: skip
+               "peak_contact_force", "peak_impulse", "motor_torque", "reason", "scene")  # fmt: skip
 
 
 def assess(

@@ -41,7 +41,7 @@ class Vibration:
     ``parts``: what complies; ``attractor``: its name in words; for a cycle ``frequency`` [Hz], ``amplitude`` of the
     load [m] (half of peak to peak, about steady travel), ``load_speed`` lowest and highest [m/s], ``screw_speed``
     likewise [rad/s], ``peak_contact_force`` between impacts [N], ``peak_impulse`` of an impact [N s] (0 without),
-    ``motor_swing``: what the control of a motor adds to its steady torque at most, at the screw [N m] (0 without).
+    ``motor_torque``: the largest that the motor gives, either way, at the screw [N m].
     ``scene``: names and values of a scene that shows it; ``time`` [s], ``deviation`` of the load [m]: samples (n) of
     the motion. ``reason``: why nothing is known, if so.
     """
@@ -54,7 +54,7 @@ class Vibration:
     screw_speed: tuple[float, float] | None = None
     peak_contact_force: float | None = None
     peak_impulse: float | None = None
-    motor_swing: float | None = None
+    motor_torque: float | None = None
     scene: dict[str, Any] = field(default_factory=dict)
     time: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
     deviation: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
@@ -158,9 +158,11 @@ def _of_cycle(drive: Drive, orbit: "Motion", row: NDArray[np.float64]) -> dict[s
     from lsvib.systems.attractor import orbit_extremes
 
     low, high = orbit_extremes(orbit, row)
-    impulses, states = np.abs(event_impulses(drive, orbit).normal), orbit.automaton.states
-    behind = np.zeros(len(states) + 1)
-    behind[[k for k, name in enumerate(states) if name == "motor_angle"]] = drive.integral_gain
+    impulses, automaton = np.abs(event_impulses(drive, orbit).normal), orbit.automaton
+    torque = np.array(automaton.observables["coupling_torque"][0])  # of the motor too, unless it complies
+    if "motor" in drive.parts:
+        gains = {"motor_angle": drive.integral_gain, "motor_rate": drive.speed_gain}
+        torque[:-1] = [-gains.get(name, 0.0) for name in automaton.states]
     return {
         "frequency": 1 / orbit.end_time,
         "amplitude": 0.5 * (high - low),
@@ -168,7 +170,7 @@ def _of_cycle(drive: Drive, orbit: "Motion", row: NDArray[np.float64]) -> dict[s
         "screw_speed": _extremes(orbit, "screw_speed"),
         "peak_contact_force": max(map(abs, _extremes(orbit, "normal_force"))),
         "peak_impulse": float(impulses.max(initial=0.0)),
-        "motor_swing": max(map(abs, orbit_extremes(orbit, behind))) if behind.any() else 0.0,
+        "motor_torque": max(map(abs, orbit_extremes(orbit, torque))),
     }
 
 
