@@ -102,6 +102,24 @@ def test_a_stepper_gives_what_the_simulated_motion_takes():
     assert (calm.verdict, calm.pull) == ("steady", ("in steady running", row.worst, 1.9))
 
 
+def test_what_is_bought_exceeds_no_limit_at_worst_and_says_last_what_lets_go_of_the_load():
+    """The load is held from 0.0738 on; a nut of 0.06 to 0.18 takes less than the 0.13 that is there, or more."""
+    lift = LIFT | {"load": {"mass": "48 kg", "orientation": "vertical"}, "friction": {"coefficient": 0.13}}
+    lift |= {"damping": {"rotational": {"median": "2e-4 N*m*s/rad", "factor": 2}}}
+    for most, nut in (("1.9 N*m", "iglidur_j"), ("0.75 N*m", "acetal_oil")):
+        written = lift | {"motor": LIFT["motor"] | {"rated_torque": most}}
+        found = as_json(assess(Sheet.of(written), samples=64))
+        assert (found["verdict"], found["statics"]["back_drives"]) == ("vibrates", False)
+        assert "ends the vibration at the middle values: " in found["brief"][-1]
+        *held, last = ((one["words"], *one["steps"]) for one in found["purchases"])
+        said_so = [text.endswith("the load can drop when the current is off)") for text, _ in (*held, last)]
+        assert (last[1]["name"], said_so) == (nut, [False] * len(held) + [True])
+        for _, step in (*held, last):
+            parts = {path.split(".")[0]: {path.split(".")[1]: value} for path, value in step["entries"].items()}
+            rows = statics(Sheet.of(written | parts)).rows
+            assert [key for key, row in rows.items() if row.exceeded] == ["holding_friction"] * (step["name"] == nut)
+
+
 def test_the_parts_of_the_worst_torque_add_up_and_a_guess_is_named():
     """r F tan(λ + ρ) by hand; the load moves with 40 rad/s r tan λ."""
     own = CHAPTER | {"guide": {"friction": "10 N"}, "bearing": {"torque": "2 mNm"}, "assumptions": {"damping": "?"}}

@@ -9,17 +9,19 @@ from typing import Any, NamedTuple
 from lsvib.drives.drive import STATIC
 from lsvib.drives.pairings import PAIRINGS
 from lsvib.errors import InputError
-from lsvib.sheets.changes import MOST, Asker, damping_sizes, knocked
+from lsvib.sheets.changes import MOST, Asker, Change, applied, damping_sizes, knocked
 from lsvib.sheets.draw import PAIRS, Draw
 from lsvib.sheets.formulas import FRICTION, torque
 from lsvib.sheets.from_rest import Starter
-from lsvib.sheets.statics import worsened
+from lsvib.sheets.statics import lets_go, worsened
 from lsvib.sheets.threads import ThreadSize, catalogue, pairings
+from lsvib.sheets.uncertainty import ends
 from lsvib.sheets.words import BUY, QUANTITIES
 
 NEAR = 2.0  # the factor within which one change is enough, and each of two
 STEPS = (1.5, NEAR, MOST)  # of the stiffness of couplings, and one over the friction of guides and bearings
 _STARTED = 60  # drives that are started for single things, and as many for pairs
+_SAID = {"holding_friction"}  # rows whose limit may be exceeded, as the answer says so
 _FAMILY = {name: re.sub("_(dry|lubricated|wet|oil)$", "", name) for name in PAIRINGS}
 _UNITS = {one.entry: re.sub(" ([a-z]+)-1$", r"/\1", one.unit) for one in QUANTITIES.values()}
 
@@ -50,15 +52,31 @@ def purchases(draw: Draw, starter: Starter) -> list[Purchase]:
     """Return what can be bought to end what a drive does at its middle values, the nearest first.
 
     Up to three single things, and two pairs where none is within a factor of two; none that exceeds another limit.
+    Last come those that let go of a load which the screw held, of kinds of which none holds it.
     """
-    asker, ways, found = Asker(draw, starter), [way for way in _ways(draw) if way], dict[str, Purchase]()
+    asker, ways = Asker(draw, starter), [way for way in _ways(draw) if way]
+    found, last = dict[str, Purchase](), dict[str, Purchase]()
     for step in sorted((step for way in ways for step in way), key=lambda step: step.change):
         if step.kind not in found and len(found) < 3 and (one := _ending(asker, _STARTED, step)):
-            found[step.kind] = one
+            (last if drops(draw, one) else found).setdefault(step.kind, one)
+    found = dict(islice((found | {kind: one for kind, one in last.items() if kind not in found}).items(), 3))
     if not any(step.change <= NEAR for one in found.values() for step in one.steps):
         near = [own for way in ways if (own := [step for step in way if step.change <= NEAR])]
         found |= {" ".join(step.kind for step in one.steps): one for one in islice(_pairs(asker, near), 2)}
     return [one._replace(left=knocked(one.draw)) for one in found.values()]
+
+
+def drops(draw: Draw, row: Change | Purchase) -> str:
+    """Say that a load held at rest ``drops``, or ``can drop`` within the uncertainties, with a change, or nothing."""
+    old = _both(draw)
+    new = [applied(one, row) for one in old] if isinstance(row, Change) else _both(row.draw)
+    found = zip(("drops", "can drop"), old, new, strict=True)
+    return next((verb for verb, *pair in found if lets_go(*pair)), "")
+
+
+def _both(draw: Draw) -> tuple[Draw, Draw]:
+    """A drive at the middle values, and those at the ends of all uncertain entries."""
+    return draw, Draw.of(draw.sheet, ends(draw.sheet))
 
 
 def _pairs(asker: Asker, ways: list[list[Step]]) -> Iterator[Purchase]:
@@ -78,11 +96,11 @@ def _ending(asker: Asker, last: int, *steps: Step) -> Purchase | None:
     if "friction.pairing" in entries:
         entries.pop("friction.coefficient", None)  # of a thread
     try:
-        own = Draw.of(asker.draw.sheet.with_entries(entries))
+        own, worst = _both(Draw.of(asker.draw.sheet.with_entries(entries)))
     except InputError:  # it does not fit the rest of the sheet
         return None
-    ends = worsened(asker.draw, own) <= {"holding_friction"} and not asker.left(own)
-    return Purchase(steps, own) if ends else None
+    good = worsened(asker.draw, own) <= _SAID and not asker.left(own)
+    return Purchase(steps, own) if good and worsened(_both(asker.draw)[1], worst) <= _SAID else None
 
 
 def _ways(draw: Draw) -> Iterator[list[Step]]:

@@ -65,8 +65,8 @@ def changeable(values: Values) -> dict[str, tuple[str, ...]]:
     The tilt is not among them: an axis that stands upright cannot lean more, and its weight counts as ``force``.
     """
     paired = {key for keys in PAIRS.values() for key in keys} | {"tilt"}
-    single = {key: (key,) for key, value in values.items() if key not in paired and value != 0}
-    pairs = {name: keys for name, keys in PAIRS.items() if any(values[key] != 0 for key in keys)}
+    single = {key: (key,) for key, value in values.items() if key not in paired and np.any(value)}
+    pairs = {name: keys for name, keys in PAIRS.items() if any(np.any(values[key]) for key in keys)}
     return {**single, **pairs}
 
 

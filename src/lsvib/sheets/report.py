@@ -16,12 +16,12 @@ import numpy as np
 from jinja2 import Environment
 
 from lsvib.drives import friction
+from lsvib.drives.pairings import PAIRINGS
 from lsvib.errors import InputError
 from lsvib.files import write_json, write_text
 from lsvib.sheets import words
 from lsvib.sheets.assessment import ZERO, Assessment, modes
-from lsvib.sheets.catalogue import STEPS, Purchase
-from lsvib.sheets.changes import Change, applied
+from lsvib.sheets.catalogue import STEPS, drops
 from lsvib.sheets.draw import Draw
 from lsvib.sheets.fields import Spread
 from lsvib.sheets.formulas import FRICTION, sliding_speed
@@ -29,7 +29,7 @@ from lsvib.sheets.from_rest import BEYOND, Chart
 from lsvib.sheets.motor import LIMITED
 from lsvib.sheets.move import SETTLED
 from lsvib.sheets.sheet import Sheet
-from lsvib.sheets.statics import Statics, lets_go, statics
+from lsvib.sheets.statics import Statics, statics
 from lsvib.sheets.threads import NUT_MATERIALS, ThreadSize
 from lsvib.sheets.words import shown
 
@@ -45,7 +45,7 @@ def _templates(html: bool) -> Environment:
     found = words.environment(html)
     found.globals |= vars(words) | {"EFFORTS": EFFORTS, "BEYOND": BEYOND, "POOR": POOR, "drops": drops, "inf": math.inf}
     found.globals |= {"said": said, "entry_text": entry_text, "NUT_MATERIALS": NUT_MATERIALS}
-    found.globals |= {"LIMITED": LIMITED, "SETTLED": SETTLED, "STEPS": STEPS, "ZERO": ZERO}
+    found.globals |= {"LIMITED": LIMITED, "SETTLED": SETTLED, "STEPS": STEPS, "ZERO": ZERO, "PAIRINGS": PAIRINGS}
     return found
 
 
@@ -91,11 +91,6 @@ def of_curve(draw: Draw) -> dict[str, Any] | None:
     used = [sliding_speed(draw.values[f"speed_{end}"], draw.pitch_radius, draw.lead_angle) for end in ("low", "high")]
     ends = {"curve": speeds[[0, -1]].tolist(), "window": [float(speed) for speed in used]}
     return {"law": law, "off": float(off.max()), "at": float(speeds[off.argmax()]), **ends}
-
-
-def drops(assessment: Assessment, row: Change | Purchase) -> bool:
-    """Whether the load drops, once the current is off, with a change of one quantity, or with what is bought."""
-    return lets_go(assessment.draw, applied(assessment.draw, row) if isinstance(row, Change) else row.draw)
 
 
 def size_report(sheet: Sheet, result: dict[str, Any], solved: str = "") -> str:
