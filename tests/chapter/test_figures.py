@@ -16,13 +16,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from references.figure_checks import checks_of, dataset_of, set_to, stored
+from references.figure_checks import checks_of, coarse, dataset_of, set_to, stored
 from references.sizes import sizes
 
 from lsvib import Drive
-from lsvib.answers.attributes import ASSUMED, FIELDS, NO_EFFECT, VARIED, origin_of
+from lsvib.answers.attributes import ASSUMED, FIELDS, GIVEN, NO_EFFECT, VARIED, origin_of
 from lsvib.answers.io import write_dataset
-from lsvib.chapter import configuration
+from lsvib.chapter import build, configuration
 from lsvib.chapter.newton import residual
 from lsvib.drives import mechanics, mechanism, modes
 from lsvib.drives.chapter import claims, listed
@@ -112,6 +112,15 @@ def test_origin_says_which_values_are_printed():
     assert origin_of("mass", [10.0, 11.0], ["Sect. 8.6.1"]) == "printed: Sect. 8.6.1"
     assert origin_of("mass", 1.0) == ASSUMED
     assert dataset_of("fig8_14").support_damping.origin == "printed: Fig. 8.14"  # not as its map, which knows no place
+
+
+def test_own_values_are_said_to_be_set_by_the_user_and_pass_the_checks_of_figure_8_9():
+    own = {"drive": {"support_damping": 1e-3, "axial_force": 50.0}, "cases": [{"mass": 10.0}, {"mass": 12.0}]}
+    dataset = build.dataset_of("fig8_09", coarse("fig8_09") | own)
+    found = {name: dataset[name].origin for name in ("support_damping", "mass", "axial_force", "input_speed")}
+    assert [*found.values()] == [GIVEN, f"{GIVEN}, except 10 (printed: Sect. 8.6.1)", ASSUMED, "printed: Table 8.1"]
+    assert "Set by the user: c = 10⁻³ N m s rad⁻¹, m = 12 kg." in build.caption_of("fig8_09", dataset)
+    assert [check.sentence() for check in checks_of("fig8_09", dataset) if not check.passed] == []
 
 
 def test_a_single_sample_that_is_off_shows():

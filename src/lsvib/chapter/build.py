@@ -11,12 +11,15 @@ from typing import Any
 
 import xarray as xr
 
+from lsvib.answers.attributes import ASSUMED, GIVEN
 from lsvib.answers.io import read_dataset, write_dataset
 from lsvib.chapter.checks import Check
-from lsvib.chapter.configuration import PARTS, complete_settings, load, module_of, sources_of
+from lsvib.chapter.configuration import PARTS, complete_settings, load, module_of, sources_of, standard_settings
 from lsvib.errors import InputError
 from lsvib.files import File, write_json, write_text
 from lsvib.pictures import style
+
+_ENTRY = re.compile(r'"(\w+)": (\[[^][{}]*\]|[^][{},]+)')  # of settings as JSON: a name with its number or list
 
 
 def compute_part(figure: str, part: str, given: Mapping[str, Any], file: File) -> None:
@@ -59,6 +62,10 @@ def dataset_of(figure: str, given: Mapping[str, Any], parts: Mapping[str, File] 
         if hasattr(module, name)
     }
     dataset: xr.Dataset = module.build(settings, **own)
+    here, usual = ({*_ENTRY.findall(json.dumps(x))} for x in (settings, standard_settings(figure)))
+    for name, variable in dataset.variables.items():
+        if "origin" in variable.attrs and any(key.startswith(str(name)) for key, _ in here - usual):  # masses: mass
+            variable.attrs["origin"] = variable.attrs["origin"].replace(ASSUMED, GIVEN)
     return dataset.assign_attrs(made_of(figure, settings))
 
 

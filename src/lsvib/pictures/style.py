@@ -153,7 +153,7 @@ def stated(dataset: xr.Dataset) -> str:
             name = variable.attrs.get("symbol", variable.attrs["long_name"])
             if chosen.size:
                 found.append(f"{name} = {numbers} {unit(variable.attrs['units']).strip('[]')}".strip())
-    heads = zip(("As printed: ", "Assumed: ", ""), words.values(), strict=True)
+    heads = zip(("As printed: ", "Assumed: ", "Set by the user: "), words.values(), strict=True)
     parts = [f"{head}{', '.join(dict.fromkeys(found))}." for head, found in heads if found]
     if "printed: Table 8.1" in origins:
         parts.append("Otherwise Table 8.1." if parts else "Table 8.1.")
