@@ -55,12 +55,14 @@ def test_a_damaged_file_is_refused_with_its_remedy(tmp_path):
 def test_a_claim_in_words_tells_what_was_found():
     """Of an array each entry, one entry, or a number of it; none for the least of none."""
     values = {"amplitude": 0.5, "rigid_amplitude": 0.25, "period": 1.0, "rigid_period": np.float32(2)}
+    values |= {"axial_force": 50.0, "forces": [10.0, 200.0]}
     distances = np.array([0.5, 0.125])
     check = Check.that(
         "fig8_10.close", orbit_distance=clauses.each(xr.DataArray(0.25), "<=", 0.02), near=distances, **values
     )
     assert not check.passed
-    said = "distance 0.2500 (amplitude 0.5 against 0.25 rad, period 1 against 2 s); 0.1250 to 0.5000 over R"
+    said = "distance 0.2500 (amplitude 0.5 against 0.25 rad, period 1 against 2 s), but 0.5000 at R = 10 N and "
+    said += "0.1250 at R = 200 N"
     assert check.computed == f"{said}; NOT orbit distance 0.25 <= 0.02"
     assert Check.that("fig8_06.line", line=distances).computed == "from 0.125 to 0.5 rad away"
     assert Check.that("fig8_13.positive", largest=distances).computed == "largest z 0.5, 0.125 rad"
@@ -136,10 +138,10 @@ def test_the_text_has_printed_numbers_first_and_then_a_line_for_each_check_by_fi
     text = report("md", CHECKS)
     assert text.splitlines()[2] == "1 of 4 checks FAILED: fig8_07."
     head, rule, row = (line for line in text.splitlines() if line.startswith("|"))
-    bars = [[k for k, letter in enumerate(line) if letter == "|"][:-1] for line in (head, rule, row)]
+    bars = [[k for k, letter in enumerate(line) if letter == "|"][:-2] for line in (head, rule, row)]
     assert bars[0] == bars[1] == bars[2]
     assert [cell.strip() for cell in row.strip("|").split("|")] == [
-        *("10.1 kg", "10.107 kg", "0.069 %", "0.83 %", "pass", "fig8_08", MASS.claim)
+        *("10.10 kg", "10.107 kg", "0.069 %", "0.83 %", "pass", "fig8_08", MASS.claim, MASS.reason)
     ]
     assert re.findall("^## (.*)$", text, re.MULTILINE) == [
         *("Numbers printed in the chapter", "fig8_07: 1 of 2 passed", "fig8_08: 2 of 2 passed")
@@ -149,8 +151,15 @@ def test_the_text_has_printed_numbers_first_and_then_a_line_for_each_check_by_fi
         "pass: A number of our own: expected 10.1 kg, computed 10.107 kg, relative error 0.000693069 <= 0.0083 "
         "[Sect. 8.6.1, eq. 8.20].",
         "pass: Two eigenvalues meet: true (9.9 kg) [Fig. 8.8].",
-        f"pass: {CHECKS[2][1].sentence()}",
+        f"pass, `{MASS.id}`: {CHECKS[2][1].sentence()}",
     ]
+
+
+def test_a_number_that_shows_a_misprint_is_not_said_to_pass():
+    check = Check.of("fig8_06.inertia_plus", claims()["fig8_06.inertia_plus"].value)
+    for one, verdict in ((check, "misprint"), (replace(check, passed=False), "FAIL")):
+        (row,) = (line for line in report("md", [("fig8_06", one)]).splitlines() if line.startswith("| 6.5e-07"))
+        assert row.split("|")[5].strip() == verdict
 
 
 def test_the_table_of_a_report_is_restructured_text_without_a_complaint():

@@ -8,13 +8,13 @@ import pytest
 import yaml
 
 from lsvib import Drive
-from lsvib.chapter.checks import counted, kinds, read_statements, report
+from lsvib.chapter.checks import Check, counted, every, kinds, read_statements, report
 from lsvib.drives.chapter import FILE, listed
 
 ROOT = Path(__file__).parents[2]
 CONFIG = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
 OURS = {"id", "source", "claim", "found", "value", "unit", "tolerance", "deviation", "reason"}
-KEYS = OURS | {"drive", "figure", "check", "input", "unchecked", "correction"}
+KEYS = OURS | {"digits", "drive", "figure", "check", "input", "unchecked", "correction"}
 ENTRIES = listed()["entries"]
 
 
@@ -33,6 +33,7 @@ def test_every_entry_is_whole():
         assert "value" in entry or "input" not in entry, entry
         assert ("value" in entry and "id" in entry) == ("reason" in entry), entry
         assert verdicts == ["id"] or "{" not in entry["claim"], entry  # only a check fills that in
+        assert "digits" not in entry or float(entry["digits"]) == entry["value"], entry
     assert all({"id", "source", "claim"} <= entry.keys() <= OURS for entry in listed()["ours"])
     said = [(entry["source"], entry["claim"]) for part in listed().values() for entry in part]
     names = [entry["id"] for part in listed().values() for entry in part if "id" in entry]
@@ -69,7 +70,7 @@ def test_the_report_has_the_counts_and_the_corrections():
     assert all(counted(statements) in page for page in pages)
     pairs = [pair for entry in statements["correction"] for pair in entry["correction"].items()]
     for number, (kind, right) in enumerate(pairs, 1):
-        assert re.search(rf"^{number}\. .*\. {kind.capitalize()}: {re.escape(right)}\.$", pages[0], re.MULTILINE)
+        assert re.search(rf"^{number}\. .*\. {kind.capitalize()}: {re.escape(right)} \(`\S*`\)\.$", pages[0], re.M)
     assert len({kind for kind, _ in pairs}) == 4
     assert not any("correction" in report(form, []) for form in ("md", "rst"))
     readme, paper = (
@@ -79,3 +80,20 @@ def test_the_report_has_the_counts_and_the_corrections():
     compared = f"Of the {all_of_them} statements found in the chapter it compares {right + len(pairs)} with"
     assert f"{compared} what is computed. Of these {right} hold and {len(pairs)} need a correction" in paper
     assert f"corrects the {len(pairs)} that need it ({kinds(statements)})" in readme
+
+
+def test_a_run_of_some_figures_counts_only_what_it_checked():
+    """A claim that another's check covers is listed under it, if its figure, where it names one, was built."""
+    told = {"one": every([True]), "place": "", "what": "", "limit": 1.0, "worst": 0.0, "motions": 1}
+    run = [("fig8_07", Check.that(id, **told)) for id in ("fig8_07.existence", "newton.laws")]
+    statements = read_statements(FILE, run)
+    assert [entry.get("id", entry.get("check")) for entry in statements["id"]] == ["fig8_07.existence"] * 3
+    assert (sum(map(len, statements.values())), statements["correction"]) == (len(ENTRIES), [])
+    page, left = report("md", run, statements), [e for e in ENTRIES if {"id", "check"} & e.keys()]
+    numbers = sum("value" in entry for entry in left)
+    words = f"{numbers} numbers and {len(left) - numbers - 3} claims belong to figures that are not in this run"
+    assert f", 3 claims are checked, {words}, and " in page
+    covered = re.findall(r"^- pass, `fig8_07\.existence`: (.*)\.$", page, re.MULTILINE)
+    assert covered[:2] == [f"{e['source']}: {e['claim']}" for e in ENTRIES if e.get("check") == "fig8_07.existence"]
+    failed = [("fig8_07", Check.that("fig8_07.existence", one=every([False])))]
+    assert report("md", failed, read_statements(FILE, failed)).count("- FAIL, `fig8_07.existence`") == 3

@@ -43,10 +43,11 @@ def test_a_run_makes_everything_and_says_what_it_found(finished):
     for figure in BUILT:
         assert (results / "figures" / f"{figure}.png").read_bytes().startswith(b"\x89PNG")
         assert (results / "figures" / f"{figure}.pdf").read_bytes().startswith(b"%PDF")
-    claims = re.findall("^- pass: .+$", (results / "checks.md").read_text(encoding="utf-8"), re.MULTILINE)
+    page = (results / "checks.md").read_text(encoding="utf-8").partition("## Numbers")[2]
+    claims = re.findall("^- pass, .+$", page, re.MULTILINE)
     assert len(claims) > 9
     (mass,) = [line for line in printed.splitlines() if line.startswith("critical mass")]
-    assert mass.split()[2:8] == ["printed", "10.1", "kg", "computed", "10.107", "kg"]
+    assert mass.split()[2:8] == ["printed", "10.10", "kg", "computed", "10.107", "kg"]
     (passed,) = re.findall(r"Passed: (.*?)\.\n", printed, re.DOTALL)
     parts = [part.split() for part in passed.split(",")]
     assert {figure for figure, _ in parts} == set(BUILT)
@@ -101,7 +102,7 @@ def test_a_failed_check_fails_the_run_with_the_reason(built):
         assert re.search(r"1 of \d+ checks FAILED: fig8_08\.", run.stdout)
         assert re.search(r"fig8_08: Critical mass.* is NOT <= 0\.008", run.stdout)
     results = built.folder / "results"
-    assert "- FAIL: Critical mass" in (results / "checks.md").read_text(encoding="utf-8")
+    assert "- FAIL, `fig8_08.critical_mass`: Critical mass" in (results / "checks.md").read_text(encoding="utf-8")
     assert [c["figure"] for c in json.loads((results / "checks.json").read_text()) if not c["passed"]] == ["fig8_08"]
 
 

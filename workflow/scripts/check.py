@@ -21,7 +21,7 @@ with logged(snakemake):
 
     checks = [pair for file in snakemake.input for pair in read_checks(file)]
     write_json([{"figure": figure, **check.to_json()} for figure, check in checks], snakemake.output.json)
-    text = report("md", checks, read_statements(FILE))
+    text = report("md", checks, read_statements(FILE, checks))
     write_text(text, snakemake.output.text)
     # In these sentences an asterisk multiplies, and < begins no tag.
     marked = MarkdownIt("commonmark", {"html": False}).enable("table").disable("emphasis")

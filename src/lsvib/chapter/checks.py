@@ -28,9 +28,10 @@ from lsvib.errors import InputError
 NamedChecks = Sequence[tuple[str, "Check"]]  # pairs (figure, check)
 Statements = dict[str, list[dict[str, Any]]]
 _VERDICTS = {  # the first that an entry has is its own: a check may hold the evidence of a correction
-    "correction": "need a correction",
+    "correction": "need a correction ({})",
     "id": "are checked",
     "input": "are inputs",
+    "left": "belong to figures that are not in this run",
     "unchecked": "are not checked, each for a stated reason",
 }
 _RELATIONS = {"<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge}
@@ -149,17 +150,22 @@ class Check:
     @classmethod
     def from_json(cls, values: Mapping[str, Any]) -> Self:
         """Rebuild a check from :meth:`to_json`."""
-        texts = ("nan", "inf", "-inf")
-        numbers = ("computed", "error")
+        texts, numbers = ("nan", "inf", "-inf"), ("computed", "error")
         plain: dict[str, Any] = {k: float(v) if k in numbers and v in texts else v for k, v in values.items()}
         return cls(**plain)
+
+    def aim(self) -> str:
+        """Return what is expected with its unit, a printed number with the digits that the chapter prints."""
+        said = claims().get(self.id)
+        digits = said.digits if said and said.value == self.expected else ""
+        return quantity(digits or self.expected, self.unit)
 
     def sentence(self) -> str:
         """Return the verdict as one sentence."""
         if self.tolerance is None:
             return f"{self.claim}: {'true' if self.passed else 'NOT true'} ({self.computed}) [{self.source}]."
         return (
-            f"{self.claim}: expected {quantity(self.expected, self.unit)}, "
+            f"{self.claim}: expected {self.aim()}, "
             f"computed {quantity(self.computed, self.unit)}, relative error "
             f"{text(self.error)} {'<=' if self.passed else 'is NOT <='} {text(self.tolerance)} [{self.source}]."
         )
@@ -201,11 +207,16 @@ def read_checks(path: str | os.PathLike[str]) -> list[tuple[str, Check]]:
         raise InputError(f"{path} is not a readable file of checks; make it again.") from None
 
 
-def read_statements(path: str | os.PathLike[str]) -> Statements:
-    """Read the list and return its entries by verdict: ``correction``, ``id`` (checked), ``input``, ``unchecked``."""
+def read_statements(path: str | os.PathLike[str], run: NamedChecks | None = None) -> Statements:
+    """Read the list and return its entries by verdict: ``correction``, ``id`` (checked), ``input``, ``unchecked``.
+
+    If the checks of a ``run`` are given, an entry has those that cover it as ``by``, and is ``left`` if none does.
+    """
     statements: Statements = {verdict: [] for verdict in _VERDICTS}
     for entry in read_yaml(str(path))["entries"]:
-        statements[next((verdict for verdict in _VERDICTS if verdict in entry), "id")].append(entry)
+        verdict, id = next((v for v in _VERDICTS if v in entry), "id"), entry.get("id", entry.get("check"))
+        by = [check for figure, check in run or () if check.id == id and entry.get("figure", figure) == figure]
+        statements["left" if run is not None and id and not by else verdict].append({**entry, "by": by})
     return statements
 
 
@@ -214,12 +225,11 @@ def counted(statements: Statements) -> str:
 
     def both(entries: Iterable[dict[str, Any]]) -> str:
         found = Counter("numbers" if "value" in entry else "claims" for entry in entries)
-        return " and ".join(f"{found[kind]} {kind}" for kind in ("numbers", "claims") if found[kind])
+        return " and ".join(f"{found[k]} {k[:-1] if found[k] == 1 else k}" for k in ("numbers", "claims") if found[k])
 
-    *parts, last = (f"{both(statements[v])} {_VERDICTS[v]}" for v in ("input", "id", "correction", "unchecked"))
-    return (
-        f"Of the chapter's {both(chain(*statements.values()))}, {', '.join(parts)} ({kinds(statements)}), and {last}."
-    )
+    order = [verdict for verdict in ("input", "id", "correction", "left", "unchecked") if statements[verdict]]
+    *parts, last = (f"{both(statements[v])} {_VERDICTS[v].format(kinds(statements))}" for v in order)
+    return f"Of the chapter's {both(chain(*statements.values()))}, {', '.join(parts)}, and {last}."
 
 
 def kinds(statements: Statements) -> str:
@@ -246,7 +256,7 @@ def printed_thresholds(checks: NamedChecks) -> list[str]:
     lines = []
     for name, id in chapter.THRESHOLDS.items():
         for figure, check in ((figure, check) for figure, check in checks if check.id == id):
-            words = f"{name.replace('_', ' '):18} printed {quantity(check.expected, check.unit):8}"
+            words = f"{name.replace('_', ' '):18} printed {check.aim():8}"
             computed = f"computed {quantity(check.computed, check.unit):10}"
             lines.append(f"{words} {computed} error {percent(check.error):8} {figure}")
     return lines
@@ -272,10 +282,8 @@ def quantity(value: float | str, unit: str | None) -> str:
 
 
 def text(value: float | str | None) -> str:
-    """Return a value as text, numbers with six digits, NaN as "none", a dash for None."""
-    if value is None:
-        return "-"
-    return "none" if value != value else f"{value:.6g}" if isinstance(value, float) else value
+    """Return a value as text, numbers with six digits, NaN as "none"."""
+    return "none" if value != value else f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
 def printed(checks: NamedChecks) -> list[tuple[str, Check]]:
@@ -306,6 +314,7 @@ def report(form: Literal["md", "rst"], checks: NamedChecks, statements: Statemen
 
 
 def _cells(figure: str, check: Check) -> list[str]:
-    """What was expected and computed, the relative error and the largest allowed, the verdict and the figure."""
-    values = [" ".join(quantity(value, check.unit).split()) for value in (check.expected, check.computed)]
-    return [*values, percent(check.error), percent(check.tolerance), "pass" if check.passed else "FAIL", figure]
+    """What was expected and computed, the error and the largest allowed, the verdict or correction, the figure."""
+    values = [" ".join(value.split()) for value in (check.aim(), quantity(check.computed, check.unit))]
+    verdict = next(iter(claims()[check.id].correction), "pass") if check.passed else "FAIL"
+    return [*values, percent(check.error), percent(check.tolerance), verdict, figure]

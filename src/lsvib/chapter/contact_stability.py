@@ -214,15 +214,15 @@ def _lemma_checks(dataset: xr.Dataset, drive: of.Values) -> list[Check]:
     sides = [_surely_stable(drive, contact_damping=float(bound) * part, **stiff) for part in (0.999, 1.001)]
     return [
         Check.that("contact_stability.proof", part=each(abs(left / none), "<", 1e-9)),
-        Check.that("contact_stability.unstable", contacts=each(heavy.values[beyond.values], ">", 0),
-                   dampings=every(beyond.any("growth_contact_stiffness"))),
+        Check.that("contact_stability.unstable", contacts=each(heavy.values[beyond.values], ">", 0), from_on=places[1],
+                   dampings=every(beyond.any("growth_contact_stiffness")), mass=dataset.mass[0]),
         Check.that("contact_stability.growth", ratio=near(ratio, 1, 0.01), ratios=ratio, stiffest=last,
-                   rise=each(np.diff(heavy.values[:, -3:]), ">", 0)),
+                   rise=each(np.diff(heavy.values[:, -3:]), ">", 0), mass=dataset.mass[0]),
         Check.that("contact_stability.elastic", least=each(elastic, ">", 0), last=near(elastic[-1], limit, 0.01),
-                   rate=elastic, limit=limit),
+                   rate=elastic, limit=limit, mass=dataset.mass[1]),
         Check.that("contact_stability.damped", contacts=each(light.values[enough.values], "<", 0),
                    limit=near(least[-1], bound, 0.01), stiff_contacts=every(np.array(sides) == [False, True]),
-                   least=least, bound=bound),
+                   least=least, bound=bound, mass=dataset.mass[1]),
     ]  # fmt: skip
 
 

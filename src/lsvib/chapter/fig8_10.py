@@ -94,7 +94,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     claim, exact = claims()["fig8_10.peak_force"], float(dataset.peak_normal_force)
     found = (dataset.swept_attractor, dataset.attractor, dataset.rigid_attractor)
     sprags = np.hstack([named(attractor, "sprag slip cycle") for attractor in found])
-    numbers = {str(name): float(x) for name, x in dataset.items() if not x.ndim}
+    numbers = {str(name): float(x) for name, x in dataset.variables.items() if not x.ndim}
     late = named(dataset["mode"], "rest positive") & (dataset.time.values > 0.5 * float(dataset.time[-1]))
     highest, own = dataset.normal_force.values[late].max(initial=-np.inf), force.values == float(dataset.axial_force)
     limits = {"percent": 100 * claim.tolerance, "peak": claim.value / 1e3}
@@ -108,7 +108,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
         Check.that("fig8_10.any_force", peaks_apart=each(abs(peak / claim.value - 1), "<=", claim.tolerance),
                    peaks_here=every(peak[own] == exact), forces=force, peaks=peak / 1e3, **limits),
         Check.that("fig8_10.close", orbit_distance=each(away, "<=", 0.02), distances_here=every(apart[own] == away),
-                   points=near(away, _apart(dataset), 0.005), near=apart, **numbers),
+                   points=near(away, _apart(dataset), 0.005), near=apart, forces=force, **numbers),
         Check.that("fig8_10.repeats", cycles=every(sprags)),
         Check.that("fig8_10.resolved", peak=near(highest, exact, 1e-6), highest=highest, exact=exact),
         *impacts.checks(dataset),

@@ -174,7 +174,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     seizes, turns = (named(stiff.indeterminate_event, kind) for kind in ("stick", "contact reversal"))
     time = stiff.indeterminate_time.values[:, 0]
     error = np.abs(np.stack(_lost(stiff)) - 1)
-    numbers = {"order": _ORDER, "stiffest": k[-1]}
+    numbers = {"order": _ORDER, "stiffest": k[-1], "branches": impact.size}
     return [
         Check.that("impacts.converges", least_order=each(orders, ">=", _ORDER),
                    last=each(told[:, -1], "<", 1e-3),  # nothing that a picture shows

@@ -20,20 +20,22 @@ FILE = Path(__file__).with_name("chapter.yaml")
 class Claim:
     """A claim, and for a number how far a check may be off: ``tolerance`` is relative, ``reason`` says why so much.
 
-    ``value``: what the chapter prints, in ``unit``, nan of a sentence; ``drive``: for which changes of the drive of
-    Table 8.1. ``found``: what a check found, in words. Texts may leave something open, in braces, that
-    :class:`lsvib.chapter.checks.Check` fills in.
+    ``value``: what the chapter prints, in ``unit``, nan of a sentence; ``digits``: the same with its final zeros;
+    ``drive``: for which changes of the drive of Table 8.1; ``correction``: what is wrong, by kind. ``found``: what a
+    check found, in words. Texts may leave something open, in braces, that :class:`lsvib.chapter.checks.Check` fills in.
     """
 
     id: str
     claim: str
     source: str
     value: float = float("nan")
+    digits: str = ""
     unit: str = "1"
     tolerance: float = 1e-12
     reason: str = "both exact; rounding only"
     found: str = ""
     drive: dict[str, float] = field(default_factory=dict)
+    correction: dict[str, str] = field(default_factory=dict)
 
     @classmethod
     def of(cls, entry: Mapping[str, Any]) -> Self:
