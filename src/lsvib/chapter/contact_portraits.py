@@ -20,6 +20,7 @@ from lsvib.chapter.checks import Check, each, every, never, some
 from lsvib.chapter.common import EIGENVALUE, Figure, Motion, about
 from lsvib.chapter.contact_force import ForceOutcome, Paradox
 from lsvib.chapter.settings import ContactPortrait, Values
+from lsvib.drives.chapter import PARTS
 from lsvib.drives.drive import Drive
 from lsvib.errors import InputError
 from lsvib.pictures import drawing, style
@@ -184,17 +185,13 @@ def _by_newton(dataset: xr.Dataset) -> tuple[np.ndarray, np.ndarray, np.ndarray]
     With constant T and P e″ = x″ − r_m tan λ θ″ is affine in N, and N″ = cos λ (k_c e″ + c_c ∂e″/∂N N′). Time in units
     of law − without contact damping.
     """
-    p, torque = (
-        {**newton.parameters(dataset), "contact_damping": 0.0},
-        -0.01,
-    )  # T [N m]; χ depends on it as little as on R
+    p = {**newton.parameters(dataset), "contact_damping": 0.0}
+    torque, lead = -0.01, p["pitch_radius"] * math.tan(p["lead_angle"])  # T [N m]; χ depends on it as little as on R
     rigidity = p["contact_stiffness"] * math.cos(p["lead_angle"])  # N over e
     accelerations = np.array([newton.equations(p, law, True)[0][3] for law in _LAWS])  # e″ over (z, …, 1)
     offsets = accelerations[:, 0] * -torque / p["coupling_stiffness"] + accelerations[:, -1]
     slopes = accelerations[:, 2] / rigidity
-    drift = (
-        p["screw_inertia"] * p["axial_force"] - p["mass"] * p["pitch_radius"] * math.tan(p["lead_angle"]) * torque
-    )  # W
+    drift = p["screw_inertia"] * p["axial_force"] - p["mass"] * lead * torque  # W
     zeros = -offsets / slopes * [float(printed_laws.lever(dataset, law)) for law in _LAWS] / drift
     unit = math.sqrt(-rigidity * slopes[1])  # 1/s
     dampings = dataset.contact_damping.values[:, None] * math.cos(p["lead_angle"])
@@ -247,6 +244,8 @@ def _indeterminate_checks(dataset: xr.Dataset) -> list[Check]:
     ends = damped.contact_force.values[named(damped.start_outcome, "bounded"), -1]
     # e⁻⁸ of a start is left where the motions end.
     gap = np.abs(ends * float(printed_laws.inertia(damped, -1)) - 1)
+    stiff, focus = PARTS["threads"], damped.contact_damping_ratio
+    node = focus / damped.contact_damping * np.sqrt(damped.contact_stiffness / stiff["contact_stiffness"])
     chi, eigenvalues = dataset.equilibrium_contact_force, str(saddle.values.round(4).tolist())
     return [
         *_common_checks(dataset, "minus infinity"),
@@ -261,6 +260,7 @@ def _indeterminate_checks(dataset: xr.Dataset) -> list[Check]:
                    starts=every(bounded | unbounded)),
         Check.that("fig8_01.unbounded", ends=each(last, "<", dataset.grid_contact_force.min())),
         Check.that("fig8_01.focus", real=each(growth[1], "<", 0), complex_eigenvalues=every(frequency[1] != 0),
+                   node=each(node * stiff["contact_damping"], ">", 2), focus=focus,
                    imaginary=abs(frequency[1, 0])),
         Check.that("fig8_01.settles", gap=each(gap, "<", 0.01), ends=ends),
     ]  # fmt: skip

@@ -182,7 +182,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     mass, gamma, force = dataset.mass.values, dataset.effective_inertia_plus.values, dataset.axial_force.values
     threshold = float(dataset.global_stability_force)
     first, second = named(dataset.corner_attractor, "steady sliding")[2:]
-    starts = {"starts": first.shape[1], "first": first.sum(axis=1), "second": second.sum(axis=1)}
+    told = {"starts": first.shape[1], "first": first.sum(1), "second": second.sum(1), "mass": mass[2]}
     return [
         *newton.portrait_checks(dataset, "8.22, Fig. 8.14"),
         Check.that("fig8_14.inertia", inertias=every(np.sign(gamma) == [1, 1, -1, -1]), gamma=gamma, mass=mass),
@@ -192,9 +192,9 @@ def checks(dataset: xr.Dataset) -> list[Check]:
         _attractor_check(dataset.isel(case=1), "fig8_14.no_cycle", "steady sliding"),
         _attractor_check(dataset.isel(case=3), "fig8_14.cycle", "sprag slip cycle"),
         *_event_checks(dataset.isel(case=[2, 3])),
-        Check.that("fig8_14.corner", starts_of_a=every(first), rules_of_b=every(~second.all(axis=1)), **starts),
+        Check.that("fig8_14.corner", starts_of_a=every(first), rules_of_b=every(~second.all(1)), **told, forces=force),
         Check.that("fig8_14.between", force_of_a=each(force[2], "<", threshold),
-                   force_of_b=each(force[3], ">", threshold), threshold=threshold),
+                   force_of_b=each(force[3], ">", threshold), threshold=threshold, mass=mass[2]),
         *_basin_checks(dataset, threshold),
         *_accumulation_checks(dataset.isel(case=gamma < 0)),
     ]  # fmt: skip
@@ -266,17 +266,17 @@ def _basin_checks(dataset: xr.Dataset, threshold: float) -> list[Check]:
     below, above, per_square = ~bounded[force < threshold], bounded[force >= threshold], (area / force**2)[bounded]
     cells = [dataset.grid_u, dataset.grid_w]
     window = np.prod([float(x[-1] - x[0]) * x.size / (x.size - 1) for x in cells])
-    inside = newton.touching_area(newton.parameters(last))
+    inside, mass = newton.touching_area(newton.parameters(last)), float(last.mass)
     return [
-        newton.touching_check(last, -1, threshold, "Force of global stability"),
-        Check.that("fig8_14.force", below=every(below), above=every(above), threshold=threshold),
+        newton.touching_check(last, -1, threshold, f"Force of global stability with m = {mass:g} kg"),
+        Check.that("fig8_14.force", below=every(below), above=every(above), threshold=threshold, mass=mass),
         Check.that("fig8_14.local", basins=every(above), least=each(local, ">", 0), area=local),
         Check.that("fig8_14.square", spread=each(spread(per_square), "<", 1e-12), forces=local.size,
                    area=near(per_square, inside / float(last.axial_force) ** 2, 1e-4)),
         Check.that("fig8_14.small", least=each(readings[3], ">", 0), most=each(readings[3], "<", 0.01),
                    area=near(readings[3] * window, inside, 1e-4), percent=100 * readings[3]),
         Check.that("fig8_14.readings", whole_windows=every(readings[:3] == 1), last=each(readings[3], "<", 1),
-                   readings=readings),
+                   readings=readings, mass=mass),
     ]  # fmt: skip
 
 
@@ -292,6 +292,7 @@ def _accumulation_checks(heavy: xr.Dataset) -> list[Check]:
     gain = -heavy.contact_line_slope * k * length / minus  # |σ| a
     limits, away = gain / (speed + gain), heavy.seizure_angle - corner
     few, many = away.count("seizure").values.T
+    stops = heavy.seizure_angle.isel(rule=0).min("seizure") / corner
     distance, rounding = away.isel(rule=1), _ROUNDING * abs(corner)
     before = distance.shift(seizure=1)
     ratio, clear = distance / before, before.notnull() & (distance > rounding)
@@ -310,7 +311,8 @@ def _accumulation_checks(heavy: xr.Dataset) -> list[Check]:
         Check.that("fig8_14.accumulate", most=each(excess, "<=", 1), first_seizures=every(drawn),
                    motions="; ".join(words)),
         Check.that("fig8_14.in_corner", gap=each(abs(ends / corner), "<", 1e-12)),
-        Check.that("fig8_14.few", motions=every(few < many), few=" and ".join(map(str, few)), many=many),
+        Check.that("fig8_14.few", motions=every(few < many), short=each(stops, ">", 1.001), places=stops,
+                   few=" and ".join(map(str, few)), many=many, mass=heavy.mass[0]),
     ]  # fmt: skip
 
 
