@@ -42,7 +42,8 @@ def test_the_first_page_has_the_printed_thresholds_and_a_guide(page):
     page.set_viewport_size({"width": 1500, "height": 300})  # what is higher than the window begins at its top
     assert page.get_by_text("Friction-induced vibration of a lead-screw drive").bounding_box()["y"] >= 0
     row = page.get_by_role("row", name="Critical mass")
-    assert [cell.strip() for cell in row.inner_text().split("\t")][1:] == ["10.10 kg", "10.107 kg", "0.069 %", "fig8_08"]
+    cells = [cell.strip() for cell in row.inner_text().split("\t")]
+    assert cells[1:] == ["10.10 kg", "10.107 kg", "0.069 %", "fig8_08"]
     page.locator("p").get_by_role("link", name="Checks", exact=True).click()
     page.get_by_role("row", name="every check").locator("a,button").first.click()
     checks = page.frame_locator("iframe")
