@@ -33,7 +33,7 @@ def test_the_report_has_figures_with_captions(report):
     names = [path.name for path in report.rglob("*")]
     page = (report / "report.html").read_text(encoding="utf-8")
     assert all(any(name.endswith(f"{figure}.png") for name in names) for figure in ("fig8_03", "fig8_08"))
-    assert "node and focus meet on the black curve" in page
+    assert "nodes and foci meet on the black curve" in page
 
 
 @chromium.needs_chromium
