@@ -55,7 +55,7 @@ class End:
     >>> end = impact.steady_state("fly")  # of lsvib.systems.System
     >>> end.label == "cycle", end.mode, f"{end.state['v']:.6f}", end.turns, f"{end.multipliers[0]:.6f}"
     (True, 'fly', '-1.356586', 1, '-0.584295+0.005600j')
-    >>> [round(value, 6) for value in end.extremes(0)]  # of x
+    >>> [round(value, 6) for value in end.extremes("x")]
     [-1.18406, 1.0]
     """
 
@@ -79,8 +79,11 @@ class End:
         """Multipliers [1], complex, the largest first; empty unless it is a cycle."""
         return self.cycle.multipliers if self.cycle else np.zeros(0)
 
-    def extremes(self, k: int) -> tuple[float, float]:
-        """Return the smallest and largest value of the state with index ``k``; NaN if the motion does not settle."""
+    def extremes(self, k: int | str) -> tuple[float, float]:
+        """Return the smallest and largest value of a state, by index or name; NaN if the motion does not settle."""
+        if isinstance(k, str) and k not in self.state:
+            raise InputError(f"{shown(k)} is not a state of the system; its states are {', '.join(self.state)}.")
+        k = [*self.state].index(k) if isinstance(k, str) else k
         if self.orbit is not None:
             return orbit_extremes(self.orbit, np.eye(1, self.orbit.start_state.size + 1, k)[0])
         value = [*self.state.values()][k] if self.label == Label.EQUILIBRIUM else math.nan

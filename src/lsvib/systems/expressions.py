@@ -20,6 +20,8 @@ from lsvib.systems.exact.arithmetic import added, nothing
 
 FUNCTIONS = ("sqrt", "sin", "cos", "tan", "exp", "log", "abs")
 _LONGEST = 2000  # characters of an expression, so that none takes long
+_HINTS = {"BitXor": "; write ** for powers", "Compare": "; leave out the comparison", "t": "; use harmonics or a clock"}
+_HINTS |= dict.fromkeys(("sign", "max", "min", "abs"), "; use surfaces or events")
 LARGEST = 1e150  # a coefficient beyond it cannot be squared in doubles
 
 Affine = tuple[Any, ...]  # a row: one coefficient for each state, the constant last; what is not there is the integer 0
@@ -100,7 +102,7 @@ class Reader:
                 return self.rows[name]
             case ast.Name(id=name):
                 names = ", ".join(x for x in [*self.rows][:-1] if x.isidentifier()) or "none"
-                raise self._refusal(f"has the unknown name {name}; known are {names}.")
+                raise self._refusal(f"has the unknown name {name}{_hint(node)}; known are {names}.")
             case ast.UnaryOp(op=ast.UAdd() | ast.USub(), operand=operand):
                 return scaled(self._read(operand), 1 if isinstance(node.op, ast.UAdd) else -1)
             case ast.BinOp(op=ast.Add() | ast.Sub() | ast.Mult() | ast.Div() | ast.Pow()):
@@ -108,8 +110,8 @@ class Reader:
             case ast.Call(func=ast.Name(id=name), args=[argument], keywords=[]) if name in FUNCTIONS:
                 number = arb(self._plain(self._read(argument), node))
                 return self._constant(getattr(number, "__abs__" if name == "abs" else name)())
-        what = f"numbers, names, + - * / **, {', '.join(FUNCTIONS)} and pi."
-        raise self._refusal(f"holds {shown(ast.unparse(node))}, which is not allowed; use {what}")
+        what = _hint(node) or f"; use numbers, names, + - * / **, {', '.join(FUNCTIONS)} and pi"
+        raise self._refusal(f"holds {shown(ast.unparse(node))}, which is not allowed{what}.")
 
     def _operation(self, node: ast.BinOp) -> Affine:
         left, right = self._read(node.left), self._read(node.right)
@@ -128,7 +130,7 @@ class Reader:
 
     def _plain(self, row: Affine, node: ast.expr) -> Any:
         if linear(row):
-            raise self._refusal(f"is not affine in the states: the term {shown(ast.unparse(node))} is not.")
+            raise self._refusal(f"is not affine in the states; {shown(ast.unparse(node))} is not{_hint(node)}.")
         return row[-1]
 
 
@@ -157,6 +159,11 @@ def _parsed(given: Any, about: str) -> tuple[ast.expr, str]:
             return ast.parse(text := " ".join(given.split()), mode="eval").body, text
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         raise InputError(f"{about} = {shown(given)} is not an expression, such as -x - 0.1*v + A.") from None
+
+
+def _hint(node: ast.expr) -> str:
+    """Return what to write instead of a name, a function or an operation that an expression cannot hold."""
+    return _HINTS.get(getattr(getattr(node, "func", node), "id", type(getattr(node, "op", node)).__name__), "")
 
 
 def linear(row: Affine) -> list[int]:

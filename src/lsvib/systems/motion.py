@@ -71,13 +71,16 @@ class Motion:
     end_state: np.ndarray
 
     def at(self, times: "ArrayLike") -> tuple[np.ndarray, np.ndarray]:
-        """Return exact states (k, n) and modes (k) at ascending ``times`` (k) [s]; at an event, those after it."""
+        """Return exact states (k, n) and modes (k) at ``times`` (k) [s], in any order; at an event, those after it."""
         times = np.ascontiguousarray(times, dtype=float)
+        order = np.argsort(times, kind="stable")
         states = np.empty((times.size, self.start_state.size))
         modes = np.empty(times.size, dtype=np.int64)
         begin = Begin(0.0, self.start_mode, self.start_state)
-        event_loop.states_at(self.automaton.tables, begin, self.events(), times, states, modes)
-        return states, modes
+        event_loop.states_at(self.automaton.tables, begin, self.events(), times[order], states, modes)
+        if 0.0 not in self.time:  # closed forms leave a rounding of what is zero
+            states[times[order] == 0.0] = self.start_state
+        return states[back := np.argsort(order)], modes[back]
 
     def events(self) -> Events:
         """Return the arrays over the events as the tuple that kernels take."""

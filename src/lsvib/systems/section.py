@@ -170,6 +170,7 @@ def multipliers(section: Section, orbit: Motion, residual: float) -> tuple[np.nd
         lost = lost + np.where(np.isfinite(changes), changes, 0.0).max(axis=0) * min(uncertain, _STEPS[0])
     size, (values, moved) = _norm(lost), eigenvalues(slopes, lost)
     error = min(moved, max(size, size ** (1 / len(slopes))) * len(slopes) + size)
+    values = np.where(np.abs(values) <= min(error, 1e-5), values.real, values)  # what is zero, threefold, has no phase
     padded = np.concatenate([values, np.zeros(count - len(values))])
     return padded[np.argsort(-np.abs(padded), kind="stable")], error
 
