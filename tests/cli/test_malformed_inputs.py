@@ -232,7 +232,7 @@ PYTHON = [
     *((lambda changes=changes: DRIVE(**changes).basin(), words) for changes, words in REFUSED_BASINS),
     *((lambda of=of, asked=asked: of.threshold(*asked), words) for of, asked, words in REFUSED_THRESHOLDS),
     (lambda: branch("colour", (1, 2)), "colour"),
-    (lambda: branch("axial_force", (-10, -5)), "it must include the drive's own axial_force"),
+    (lambda: branch("axial_force", (-10, -5)), "contain the drive's own axial_force"),
     (lambda: branch("axial_force", (1,)), "span"),
     (lambda: branch("mass", (-1, 20)), "mass"),
     (lambda: branch("mass", (0.5, 2), LIGHT), "another drive"),

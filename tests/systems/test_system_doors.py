@@ -63,6 +63,22 @@ def test_ends_of_starts_are_found_once_each():
     assert [(end.label, end.starts) for end in ends] == [(Label.EQUILIBRIUM, 2)]  # rests side by side are one
 
 
+def test_a_change_has_one_name_from_either_side_and_a_branch_goes_on_from_a_point():
+    """A motion touches a stop at the instant at which friction turns: two events become four."""
+    way = {f"{at}_{to}": f"-d*v - x {stop} {sign} f + A*c" for at, stop in (("free", ""), ("stop", "- 24*(x - gap)"))
+           for to, sign in (("back", "+"), ("forth", "-"))}  # fmt: skip
+    surfaces = [{"between": [f"{at}_back", f"{at}_forth"], "at": "v"} for at in ("free", "stop")]
+    surfaces += [{"between": [f"free_{to}", f"stop_{to}"], "at": "x - gap"} for to in ("back", "forth")]
+    values = {"A": "0.2368", "gap": "0.5", "f": "0.1", "d": "0.1"}
+    modes = {name: {"x": "v", "v": rate} for name, rate in way.items()}
+    stop = System(["x", "v"], modes, values, {"c, s": "0.8"}, surfaces=surfaces)
+    up = stop.follow(stop.steady_state("free_forth"), "A", (0.2368, 0.23686))
+    last = up.points[-1]
+    down = stop.replace(A=last.value).follow(last.cycle, "A", (0.2368, 0.23686))
+    found = [[(x.name, round(x.value, 9)) for x in branch.changes if x.name] for branch in (up, down)]
+    assert found == [[("grazing", 0.236837203)]] * 2
+
+
 @pytest.mark.slow
 def test_branches_name_what_happens_to_a_cycle():
     one = ONE.replace(A=0.11)
@@ -71,7 +87,10 @@ def test_branches_name_what_happens_to_a_cycle():
     assert branch.changes[1].value == pytest.approx(0.1, abs=1e-8)
     dry = DRY.replace(f="0.6", w="0.6")
     stops = dry.follow(dry.steady_state("back"), "w", (0.58, 0.66)).changes
-    assert [(x.name, round(x.value, 6)) for x in stops if x.name] == [("border collision", 0.632971)]
+    assert [(x.name, round(x.value, 6)) for x in stops if x.name] == [("crossing-sliding", 0.632971)]
+    long = DRY.replace(f="0.5", w="0.185")
+    stops = long.follow(long.steady_state("back"), "w", (0.178, 0.19)).changes
+    assert [(x.name, round(x.value, 8)) for x in stops if x.name] == [("adding-sliding", 0.18047293)]
     events = [{"mode": "slip", "when": "v > V", "to": "stick"}, {"mode": "stick", "when": "x + V/50 > 1", "to": "slip"}]
     modes = {"slip": {"x": "v", "v": "-x - v/50"}, "stick": {"x": "V", "v": 0}}
     block = System(["x", "v"], modes, {"V": "2.73"}, events=events)
@@ -183,7 +202,9 @@ REFUSED = [
     (lambda: STOPS.sweep(A=1), "over: A = 1 is not a list of numbers."),
     (lambda: STOPS.follow(HOP.steady_state("lie"), "A", (1, 2)), "follow takes one cycle"),
     (lambda: STOPS.follow(ONE.steady_state("fly"), "A", (1, 2)), "the cycle belongs to another system"),
-    (lambda: ONE.follow(ONE.steady_state("fly"), "A", (2, 3)), "span = 2 to 3 is outside the allowed range"),
+    (lambda: ONE.follow(ONE.steady_state("fly"), "A", (2, 3)), "span = 2, 3 must ascend and contain the"),
+    (lambda: ONE.follow(ONE.steady_state("fly"), "A", (2, 1)), "span = 2, 1 must ascend"),
+    (lambda: STOPS.steady_state("fly").extremes("y"), "'y' is not a state of the system; its states are x, v"),
     (lambda: STOPS.simulate("fly", [0, 1], 1), "state = [0, 1] is not a set of names and values."),
     (lambda: HOP.map({"x": (0, 1, 5), "v": (0, 1, 5)}, mode=["fly"]), "['fly'] is not a mode of the system"),
     (lambda: STOPS.map({"x": (0, 1, 5)}), "grid needs start, stop and count of two coordinates; 1 given."),

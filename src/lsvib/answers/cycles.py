@@ -173,7 +173,7 @@ def branch_dataset(branch: CycleBranch) -> xr.Dataset:
         dims, words_of = ("point", "multiplier_number"), f"{word} part of the Floquet multipliers"
         own = getattr(parts, part).reshape(len(cycles), -1)
         data[f"multiplier_{word}_part"] = cf.variable(dims, own, "1", words_of)
-    about = {"title": f"A cycle of a system over {branch.parameter}", **MADE_BY}
+    about = {"title": f"A cycle of a system over {branch.parameter}", **MADE_BY, "system": branch.system}
     if isinstance(cycles[0], Cycle):
         drive = cycles[0].drive
         fixed = [(key, value) for key, value in drive if key != branch.parameter]

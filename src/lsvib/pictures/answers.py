@@ -23,6 +23,8 @@ _CAN = "motions, sweeps of one or two parameters, cycles, branches, basins, and 
 _NUMBERS = "bfiu"  # kinds of types
 _HEIGHT, _EDGE = 1.3, 0.6  # of a panel over time, and of what is around all of them [inch]
 _MARKS = "X.os^vDP*"  # of what drives do, for readers in grey
+_CHANGES = {"fold": "o", "period doubling": "s", "Neimark–Sacker": "D", "grazing": "v", "border collision": "^"}
+_CHANGES |= {"crossing-sliding": "<", "grazing-sliding": ">", "switching-sliding": "d", "adding-sliding": "P"}
 _PLAIN = {"fontweight": "normal", "wrap": True}  # title of a panel
 _MARK = dict[str, Any](markersize=3, markeredgecolor=style.BLACK, markeredgewidth=0.3)
 
@@ -68,6 +70,7 @@ def _dataset(answer: Any) -> xr.Dataset:
 
     if isinstance(answer, CycleBranch):
         return branch_dataset(answer)
+    answer = [answer] if isinstance(answer, End) else answer
     if isinstance(answer, list) and (ends := [one for one in answer if isinstance(one, End) and one.cycle]):
         names, dims = [*ends[0].state], ("cycle", "sample")
         states = np.array([one.cycle.orbit.at(np.linspace(0.0, one.period, 4001))[0] for one in ends if one.cycle])
@@ -103,7 +106,7 @@ def _picture(dataset: xr.Dataset, kind: str | None) -> style.Figure:
     motion = not own and "event_kind" in dataset and "w" in dataset and dataset.w.dims == ("time",)
     kinds = {"phase_plane": _phase_plane, "friction_loop": _friction_loop}  # of a motion, besides that over time
     if kind is not None and not (motion and kind in kinds):
-        raise InputError(f"{shown(kind)} cannot be drawn from this; from a motion {' and '.join(kinds)} can.")
+        raise InputError(f"{shown(kind)} cannot be drawn from this; of a motion of a drive {' and '.join(kinds)} can.")
     if motion:
         return kinds.get(kind or "", _motion)(dataset)
     if "attracting" in dataset and "changes" in dataset.attrs:
@@ -221,20 +224,26 @@ def _curves(dataset: xr.Dataset) -> style.Figure:
 
 
 def _branch(dataset: xr.Dataset) -> style.Figure:
-    """Amplitude and period of a cycle along its branch, attracting or not, with what changes on it."""
+    """Amplitude of a cycle along its branch, and its period or, if forcing gives that, largest multiplier."""
+    if forced := bool({"harmonics", "clocks"} & {*json.loads(dataset.attrs.get("system") or "{}")}):
+        sizes = np.hypot(dataset.multiplier_real_part, dataset.multiplier_imaginary_part).max("multiplier_number")
+        dataset = dataset.assign(multiplier=sizes.assign_attrs(long_name="largest multiplier in magnitude", units="1"))
     value, attracts = dataset[next(iter(dataset.data_vars))], dataset.attracting.values.astype(bool)
     # A piece of the line attracts if both its ends do, and all pieces are drawn.
     repels = ~attracts | np.append(~attracts[1:], False) | np.append(False, ~attracts[:-1])
     changes = [(one["name"] or one["kind"], one["along"]) for one in json.loads(dataset.attrs["changes"])]
     panels = (figure := style.new_figure(style.DOUBLE, 3.0)).subplots(1, 2)
-    for axes, name in zip(panels, ("amplitude", "period"), strict=True):
+    for axes, name in zip(panels, ("amplitude", "multiplier" if forced else "period"), strict=True):
         here = dataset[name].values
         for mask, look, words in ((attracts, "-", "attracts"), (repels, "--", "does not attract")):
             axes.plot(value, np.where(mask, here, np.nan), look, color=style.BLUE, label=words)
-        for mark, kind in zip("os^vD", dict(changes), strict=False):
+        for kind in dict(changes) if name != "multiplier" else ():  # which may leap between two points
             places = [np.interp([at for word, at in changes if word == kind], dataset.along, x) for x in (value, here)]
-            axes.plot(*places, mark, color=style.VERMILION, markersize=3, label=kind)
-        if np.ptp(here) < 1e-6 * here.max():  # but for rounding it is constant, such as the period of what is forced
+            axes.plot(*places, _CHANGES.get(kind, "|"), color=style.VERMILION, markersize=3, label=kind)
+        if name == "multiplier":  # and grow without bound towards a graze
+            axes.axhline(1.0, **style.PRINTED)
+            axes.set_ylim(0.0, min(3.0, 1.1 * np.fmax.reduce([1.0, *here])))
+        elif np.ptp(here) < 1e-6 * here.max():  # it is constant but for rounding
             axes.set_ylim(0.9 * here.max(), 1.1 * here.max())
         axes.set_xlabel(style.label(value))
         axes.set_title(style.label(dataset[name]), **_PLAIN)

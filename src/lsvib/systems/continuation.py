@@ -31,7 +31,7 @@ _TO_ROUNDING = 1e-16
 _DISTANCES = (1e-4, 1e-6, 1e-8)  # δ from a border, in q
 _NEARER = 0.3  # most that is left of the distance from the orbit where δ falls to its hundredth; its root leaves 0.1
 _BACK = "it comes back to where it began"
-_TOUCHES = 0.05  # speed at an event, as a part of the largest, next to a border at which it only touches
+_TOUCHES = 0.02  # next to a border: speed of a touch, as a part of the largest; arc that vanishes, of the period
 _FLAT = 1e-10  # in q, by which rounding may turn a branch
 _NOTHING = 1e-4  # extent of a cycle, in sizes of the motion, that is about to vanish
 
@@ -40,8 +40,8 @@ _NOTHING = 1e-4  # extent of a cycle, in sizes of the motion, that is about to v
 class Change:
     """A change along a branch, at a ``value`` [SI unit] of the parameter and a length ``along`` [1] of the branch.
 
-    ``kind``: fold, itinerary, stability, or end; ``what``: the change in words, as ``along`` grows; ``name``: fold,
-    period doubling, Neimark–Sacker, grazing, border collision, or empty.
+    ``kind``: fold, itinerary, stability, or end; ``what``: the change in words, as ``along`` grows; ``name``: that of
+    the bifurcation (docs/systems.md), or empty.
     """
 
     kind: str
@@ -72,6 +72,7 @@ class CycleBranch:
     parameter: str
     points: tuple[BranchPoint, ...] = field(repr=False)
     changes: tuple[Change, ...]
+    system: str = field(default="", repr=False)  # keys of one's own, as JSON
 
     @property
     def folds(self) -> list[float]:
@@ -117,10 +118,7 @@ def span_of(owner: str, parameter: str, here: float, span: Any, points: Any) -> 
     except (NotNumber, TypeError, ValueError):
         raise InputError(f"span = {shown(span)} is not two numbers.") from None
     if not low < high or not low <= here <= high:
-        raise InputError(
-            f"span = {low:g} to {high:g} is outside the allowed range: "
-            f"it must include the {owner}'s own {parameter} = {here:g}."
-        )
+        raise InputError(f"span = {low:g}, {high:g} must ascend and contain the {owner}'s own {parameter} = {here:g}.")
     return (low, high), whole_between("points", points, 2, 100_000)  # more cycles would fill the memory
 
 
@@ -207,7 +205,8 @@ class _Walk:
         if turn is here:
             self._compare(shooting, here, there, cycle)
         elif (parts := _parts(shooting, turn)) > 1:
-            self._change("end", turn, f"its {parts} parts become one cycle with 1/{parts} of its period")
+            part, name = ("half", "period doubling") if parts == 2 else (f"1/{parts} of", "")
+            self._change("end", turn, f"it merges with the cycle of {part} its period", name=name)
             return False
         elif (turn.z[-1] - here.z[-1]) * (turn.z[-1] - there.z[-1]) > _FLAT**2:  # beyond both, and not by rounding
             self._change("fold", turn, "two cycles meet", float(np.linalg.norm(turn.z - here.z)), "fold")
@@ -413,14 +412,38 @@ def _in_words(one: Shot, other: Shot) -> str:
 
 
 def _border(one: Shot, other: Shot) -> str:
-    """The name of a border between cycles: by an event that one of them lacks, which only touches, or meets another."""
-    before, after = (Counter(shot.itinerary) for shot in (one, other))
-    shot, extra = (one, before - after) if before - after else (other, after - before)
+    """The name of a border between cycles, by what vanishes there, the same from either side."""
+    few, many = sorted((one, other), key=lambda shot: len(shot.itinerary))
+    lost, own = _own(few, many.itinerary), _own(many, few.itinerary)
+    name = "grazing" if _touches(many, own) or _touches(few, lost) else "border collision"
+    return _sliding(many, own, bool(lost.any())) or name
+
+
+def _own(shot: Shot, other: Itinerary = ()) -> np.ndarray:
+    """Which events of a motion another itinerary lacks; passages and touches are in none."""
+    extra, codes = Counter(shot.itinerary) - Counter(other), shot.motion.automaton.codes[shot.motion.mode]
+    return np.array([event in extra for event in zip(shot.motion.kind.tolist(), codes.tolist(), strict=True)], bool)
+
+
+def _sliding(many: Shot, own: np.ndarray, lost: bool) -> str:
+    """The name of a sliding bifurcation, by the arc, of sliding or beside it, that vanishes after an own event."""
+    motion, events = many.motion, _own(many)
+    held = motion.automaton.marked(motion.automaton.codes[motion.mode[events]], "held")
+    lasts = np.diff(motion.time[events], append=motion.time[events][0] + motion.end_time)
+    k = int(np.argmin(np.where(own[events], lasts, math.inf)))
+    if not (own[events][k] and lasts[k] < _TOUCHES * motion.end_time):
+        return ""
+    if held[k]:
+        return "crossing-sliding" if lost else "grazing-sliding"
+    onward = held[(k + 1) % held.size] and not lost
+    return ("adding-sliding" if held[k - 1] else "switching-sliding") if onward else ""
+
+
+def _touches(shot: Shot, own: np.ndarray) -> bool:
+    """Whether one of its own events only touches its surface, and not for want of time."""
     motion, automaton = shot.motion, shot.motion.automaton
     modes, _, ends, _ = motion.arcs()
-    events = [*zip(motion.kind.tolist(), automaton.codes[motion.mode].tolist(), strict=True)]
-    own = [event in extra for event in events]
-    others = motion.time[[event in shot.itinerary and event not in extra for event in events]]  # and no touches
+    others = motion.time[_own(shot) & ~own]
     states, along = motion.at(motion.end_time * np.linspace(0.0, 1.0, 64))
     rates = np.array([rate_of(automaton, int(mode), state) for mode, state in zip(along, states, strict=True)])
     for k in np.flatnonzero(own):
@@ -428,9 +451,9 @@ def _border(one: Shot, other: Shot) -> str:
         row = automaton.tables.surfaces[automaton.tables.guard_surface[guard], :-1]
         speed = abs(row @ rate_of(automaton, int(modes[k]), ends[k])) / np.abs(rates @ row).max()
         apart = np.abs((others - motion.time[k]) / motion.end_time)
-        if guard >= 0 and speed < _TOUCHES * min([1.0, *10 * np.minimum(apart, 1 - apart)]):
-            return "grazing"
-    return "border collision"
+        if guard >= 0 and speed < min([_TOUCHES, *0.5 * np.minimum(apart, 1 - apart)]):
+            return True
+    return False
 
 
 def _extent(shooting: Shooting, shot: Shot) -> float:

@@ -20,6 +20,7 @@ from lsvib.errors import DivergenceError, InputError
 from lsvib.numbers import Progress, names_and_values, shown
 from lsvib.systems.assembly import FORCING, Event, made
 from lsvib.systems.continuation import CycleBranch, follow_cycle, span_of
+from lsvib.systems.cycles import Cycle
 from lsvib.systems.ends import End, end_of, ends_of, motion, of_system, start_of, states_of, variables_of
 from lsvib.systems.expressions import LARGEST, check_name, parameters
 from lsvib.systems.grid import MOST_CELLS, Axis, Grid
@@ -186,8 +187,8 @@ class System:
         """Return what motions from many starts end on, each end once, cycles first; repelling cycles are not found.
 
         Arguments: ``starts``, pairs of mode and state; ``box``, the least and largest value of some states, between
-        which ``count`` more starts are drawn in all modes, by a generator with this ``seed``. Returns a list of
-        :class:`lsvib.systems.End`, each with the number of its ``starts``. Raises ``InputError``, ``EngineError``.
+        which ``count`` more are drawn in all modes, by a generator with this ``seed``. Returns the ends, each with
+        its number of ``starts``; an end that few starts reach may be missed. Raises ``InputError``, ``EngineError``.
 
         >>> [(end.label.value, end.turns, end.starts) for end in impact.cycles(box={"x": (-1, 1)}, count=20)]
         [('cycle', 1, 20)]
@@ -213,7 +214,7 @@ class System:
 
     def follow(
         self,
-        cycle: End,
+        cycle: End | Cycle,
         parameter: str,
         span: tuple[float, float],
         *,
@@ -222,29 +223,30 @@ class System:
     ) -> CycleBranch:
         """Follow a cycle over a parameter, both ways, by pseudo-arclength continuation, whether it attracts or not.
 
-        Arguments: ``cycle``, an :class:`lsvib.systems.End`; ``span``, the smallest and largest value of the parameter,
-        which enclose the system's own; at most so many ``points`` each way; ``progress``, called with the numbers of
-        points done and of all. Returns the branch with its ``points`` and ``changes``, each with a ``name``: fold,
-        period doubling, Neimark–Sacker, grazing or border collision (docs/cycles.md). Raises ``InputError``.
+        Arguments: ``cycle``, an :class:`lsvib.systems.End`, or that of a point of a branch; ``span``, the smallest and
+        largest value of the parameter, which enclose the system's own; at most so many ``points`` each way;
+        ``progress``, called with the numbers of points done and of all. Returns the branch with its ``points`` and
+        ``changes``, each with a ``name`` (docs/systems.md). Raises ``InputError``.
 
-        >>> branch = impact.follow(impact.steady_state("fly"), "r", (0.75, 0.85))
-        >>> [f"{point.cycle.leading:.3f}" for point in (branch.points[0], branch.points[-1])]
-        ['0.548', '0.621']
+        >>> last = impact.follow(impact.steady_state("fly"), "r", (0.75, 0.85)).points[-1]
+        >>> impact.replace(r=last.value).follow(last.cycle, "r", (0.85, 0.9)).points[-1].value  # or another one
+        0.9
         """
-        own, one = made(self), cycle.cycle if isinstance(cycle, End) else None
-        if one is None:
-            raise InputError("follow takes one cycle, such as system.cycles(...)[0].")
+        own, one = made(self), cycle.cycle if isinstance(cycle, End) else cycle
+        if not isinstance(one, Cycle):
+            raise InputError("follow takes one cycle, such as system.cycles(...)[0] or branch.points[0].cycle.")
         mine, other = own.automaton, one.orbit.automaton
         pairs = (mine.flow.field, other.flow.field), (mine.tables.surfaces, other.tables.surfaces)
         if not all(np.array_equal(*pair) for pair in pairs):
-            raise InputError("the cycle belongs to another system; take one of this system's cycles(...).")
+            raise InputError("the cycle belongs to another system, that of a point to replace(parameter=its value).")
         self._check_parameter(parameter)
         here = float(parameters(self.parameters)[parameter])
         ends, most = span_of("system", parameter, here, span, points)
         branch = follow_cycle(
             one, lambda value: made(self.replace(**{parameter: value})).automaton, parameter, here, ends, most, progress
         )
-        return replace(branch, points=tuple(replace(x, cycle=of_system(own, x.cycle)) for x in branch.points))
+        found = tuple(replace(x, cycle=of_system(own, x.cycle)) for x in branch.points)
+        return replace(branch, points=found, system=json.dumps(self.keys()))
 
     def sweep(
         self,
@@ -257,7 +259,7 @@ class System:
     ) -> xr.Dataset:
         """Return what the motion from a start ends on over some parameters; over two, this is a chart.
 
-        Arguments: ``over``, the values of each parameter, by name; all their combinations are taken. The motion starts
+        Arguments: ``over``, a list of values of each parameter, by name; all combinations are taken. The motion starts
         in the first mode unless another is named; ``progress`` is called with the numbers of motions done and of all.
         Returns a dataset over the parameters with the label, the period [s], also as a multiple of that of the forcing,
         the largest multiplier [1], the extremes of each state and how often each event occurs in a period. Raises
@@ -381,8 +383,9 @@ class System:
     def _surface(self, about: str, given: Any) -> dict[str, Any]:
         own = _known(about, given, ("between", "at"), ("between", "at"))
         between = own["between"] = _listed(f"{about}.between", own["between"])
-        if len(between) != 2 or between[0] == between[1] or any(name not in [*self.modes] for name in between):
-            raise InputError(f"{about}.between = {shown(between)} is not two modes of {', '.join(self.modes)}.")
+        unknown = [name for name in between if name not in [*self.modes]]
+        if unknown or len(between) != 2 or between[0] == between[1]:
+            raise InputError(f"{about}.between has {shown(unknown or between)}, not two of {', '.join(self.modes)}.")
         return own
 
 
