@@ -36,6 +36,16 @@ DRY = System(
 )  # fmt: skip
 
 
+FORCES = {f"{at}_{to}": f"-x - d*v {stop} {sign} f + A*c" for at, stop in (("free", ""), ("stop", "- 24*(x - gap)"))
+          for to, sign in (("back", "+"), ("forth", "-"))}  # fmt: skip
+GAP = System(
+    ["x", "v"], {name: {"x": "v", "v": force} for name, force in FORCES.items()}, harmonics={"c, s": "w"},
+    parameters={"A": "0.2368", "w": "0.8", "gap": "0.5", "f": "0.1", "d": "0.1"},
+    surfaces=[{"between": [f"{at}_back", f"{at}_forth"], "at": "v"} for at in ("free", "stop")]
+    + [{"between": [f"free_{to}", f"stop_{to}"], "at": "x - gap"} for to in ("back", "forth")],
+)  # fmt: skip
+
+
 def test_a_motion_is_a_dataset():
     found, run = (
         STOPS.simulate("fly", {"x": 0.1}, 20, samples=101),
@@ -65,16 +75,9 @@ def test_ends_of_starts_are_found_once_each():
 
 def test_a_change_has_one_name_from_either_side_and_a_branch_goes_on_from_a_point():
     """A motion touches a stop at the instant at which friction turns: two events become four."""
-    way = {f"{at}_{to}": f"-d*v - x {stop} {sign} f + A*c" for at, stop in (("free", ""), ("stop", "- 24*(x - gap)"))
-           for to, sign in (("back", "+"), ("forth", "-"))}  # fmt: skip
-    surfaces = [{"between": [f"{at}_back", f"{at}_forth"], "at": "v"} for at in ("free", "stop")]
-    surfaces += [{"between": [f"free_{to}", f"stop_{to}"], "at": "x - gap"} for to in ("back", "forth")]
-    values = {"A": "0.2368", "gap": "0.5", "f": "0.1", "d": "0.1"}
-    modes = {name: {"x": "v", "v": rate} for name, rate in way.items()}
-    stop = System(["x", "v"], modes, values, {"c, s": "0.8"}, surfaces=surfaces)
-    up = stop.follow(stop.steady_state("free_forth"), "A", (0.2368, 0.23686))
+    up = GAP.follow(GAP.steady_state("free_forth"), "A", (0.2368, 0.23686))
     last = up.points[-1]
-    down = stop.replace(A=last.value).follow(last.cycle, "A", (0.2368, 0.23686))
+    down = GAP.replace(A=last.value).follow(last.cycle, "A", (0.2368, 0.23686))
     found = [[(x.name, round(x.value, 9)) for x in branch.changes if x.name] for branch in (up, down)]
     assert found == [[("grazing", 0.236837203)]] * 2
 
@@ -91,6 +94,15 @@ def test_branches_name_what_happens_to_a_cycle():
     long = DRY.replace(f="0.5", w="0.185")
     stops = long.follow(long.steady_state("back"), "w", (0.178, 0.19)).changes
     assert [(x.name, round(x.value, 8)) for x in stops if x.name] == [("adding-sliding", 0.18047293)]
+    gap = GAP.replace(A="0.8", w="0.835")
+    slides = gap.follow(gap.steady_state("free_forth"), "w", (0.835, 0.848)).changes
+    assert [x.name for x in slides if x.name] == ["switching-sliding", "grazing-sliding"]
+    push = {mode: {"x": "v", "v": f"-x - 0.4*v {sign} 1"} for mode, sign in (("push", "+"), ("pull", "-"))}
+    events = [{"mode": "push", "when": "t > T/2", "to": "pull"}, {"mode": "pull", "at_clock": "t", "to": "push"}]
+    events += [{"mode": [*push], "when": "x > 0.8", "reset": {"v": "-v/2"}}]
+    struck = System(["x", "v"], push, {"T": 4}, clocks={"t": "T"}, events=events)
+    met = struck.follow(struck.steady_state("push"), "T", (3.9, 4)).changes  # an impact as the force turns
+    assert [(x.name, round(x.value, 8)) for x in met if x.name] == [("border collision", 3.92786699)]
     events = [{"mode": "slip", "when": "v > V", "to": "stick"}, {"mode": "stick", "when": "x + V/50 > 1", "to": "slip"}]
     modes = {"slip": {"x": "v", "v": "-x - v/50"}, "stick": {"x": "V", "v": 0}}
     block = System(["x", "v"], modes, {"V": "2.73"}, events=events)
