@@ -131,7 +131,7 @@ def test_the_other_direction_is_that_of_the_record():
 def test_above_the_even_speed_it_is_steady():
     found = assess(Sheet.of({**JERKING, "operation": {"speed": "9.5 rpm", "direction": "both"}}), samples=64)
     assert (found.verdict, found.from_rest.jerks) == ("steady", False)
-    assert "Started from rest, it runs steadily at 8.79 rpm" in brief(found)[0]
+    assert "Started from rest without a ramp, it runs steadily at 8.79 rpm" in brief(found)[0]
 
 
 def drawn(seed: int) -> dict:

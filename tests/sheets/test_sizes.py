@@ -93,6 +93,7 @@ def test_both_ends_of_the_uncertainties_and_all_solutions_are_said():
     ("entry", "goal", "words"),
     [("load.forse", TORQUE, "'load.forse' is not a quantity of the sheet; it could be load.mass, load.force"),
      ("load.force", "lifting_torque=60 N", "lifting_torque = '60 N' is not a torque"),
+     ("load.mass", "vibration", "screw_speed; changes that end vibration are listed in the answer without --solve."),
      ("load.force", "lifting_torque", "The sheet has no limit of lifting_torque; give a value."),
      ("operation.speed", "sliding_speed", "The sheet has no limit of sliding_speed; give a value."),
      ("friction.efficiency", TORQUE, "friction.coefficient and friction.efficiency are both given"),
@@ -110,5 +111,5 @@ def test_a_size_loads_no_engine_and_no_pictures(tmp_path):
     )
     given = [sys.executable, "-c", code, "assess", "jack.yaml", "--solve", "load.force", "--for", TORQUE]
     said = subprocess.run(given, cwd=tmp_path, capture_output=True, text=True, check=True).stdout
-    assert said.startswith("load.force = 27.68 kN: lifting_torque is 60 N m.")
+    assert said.startswith("load.force = 27.68 kN: lifting_torque is 60 N m. What follows is for this value.\n")
     assert said.endswith("set()\n")

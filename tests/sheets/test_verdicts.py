@@ -3,12 +3,15 @@
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 import yaml
 
+from lsvib import Drive
 from lsvib.sheets.assessment import assess
 from lsvib.sheets.draw import Draw, Operation
-from lsvib.sheets.report import brief
+from lsvib.sheets.from_rest import KINDS, charts
+from lsvib.sheets.report import brief, report
 from lsvib.sheets.sheet import Sheet
 from lsvib.sheets.window import OperatingWindow, worst
 from lsvib.stability.starting import runs_evenly
@@ -49,6 +52,7 @@ LIFT = """
     friction: {coefficient: 0.15}
     damping: {rotational: {median: 2e-4 N*m*s/rad, factor: 2}, translational: {median: 50 N*s/m, factor: 2}}
 """
+SURE = {"rotational": "2e-4 N*m*s/rad", "translational": "50 N*s/m"}
 RISES = [
     """
     thread: {size: Tr 30x24 P6}
@@ -106,7 +110,7 @@ def test_the_first_lines_name_direction_cause_and_frequency_and_what_decides(ang
     found = assess(Sheet.of(given), 64)
     first, sure = brief(found)[:2]
     assert f"unstable while lowering and ends in vibration at {found.nominal.vibration.frequency:.3g} Hz" in first
-    assert first.endswith("but stable while lifting. The cause is kinematic constraint (wedging).")
+    assert "but stable while lifting. The cause is kinematic constraint (wedging)." in first
     (row,), added = found.single, found.omitted["coupling.inertia"]
     assert f"friction of the threads (stable if {100 - 100 * row.factor:.3g} % smaller)" in sure
     for entries in ({"coefficient": row.value}, {"inertia": added}):
@@ -161,3 +165,37 @@ def test_a_basin_under_a_rise_of_friction_is_no_endless_way(text):
         if (spent := time.process_time() - begin) < 18:  # 6 s on a quiet machine; a busy one takes up to three times
             break
     assert spent < 18
+
+
+@pytest.mark.parametrize(("acceleration", "verdict"), [(None, "jerks"), ("5 m/s^2", "jerks"), ("0.1 m/s^2", "steady")])
+def test_the_start_that_is_judged_is_that_of_the_sheet(acceleration, verdict):
+    """A lift that vibrates when switched on at full speed settles after a ramp of 150 ms, but not of 3 ms."""
+    speed = {"speed": "300 rpm", "direction": "out"}
+    found = assessed(LIFT, damping=SURE, operation=speed | ({"acceleration": acceleration} if acceleration else {}))
+    assert found.vibration == (verdict if verdict == "jerks" else "steady until perturbed")
+    assert (" without a ramp at 300 rpm" in brief(found)[0]) is (acceleration is None)
+    assert (" with the ramp of the data sheet at 300 rpm" in brief(found)[0]) is (acceleration == "5 m/s^2")
+    drive, ramp = Drive.of(OperatingWindow(found.draw).corners[0].drive), found.draw.run.ramp if acceleration else 0.0
+    command = {"times": [0.0, ramp], "speeds": [0.0, drive.input_speed]} if acceleration else None
+    late = drive.simulate("rest", ramp + 3, command=command, outputs=("load_speed",))["load_speed"][-100:]
+    assert np.ptp(late.values) < 0.01 * found.draw.run.speed if verdict == "steady" else np.ptp(late.values) > 0.02
+    assert (found.ripple is not None and found.ripple.settled is not None) is (verdict == "steady")
+
+
+def test_each_direction_of_travel_has_its_own_answer():
+    """Lowering is unstable; lifting is stable, but a start at full speed ends in vibration, as its own sheet says."""
+    found, out = (
+        assessed(LIFT, damping=SURE, operation={"speed": "300 rpm", "direction": way}) for way in ("both", "out")
+    )
+    first, drawn = brief(found)[0], charts(found.draw)
+    page, started = " ".join(report(found, drawn).split()), found.from_rest
+    assert (found.vibration, started.unstable, started.jerks, started.there.direction) == ("vibrates", (-1,), True, 1)
+    assert started.motion.frequency == out.from_rest.motion.frequency
+    said = "No start becomes steady while lowering, as steady running is unstable. Started from rest without "
+    for text in (f"{said}a ramp, lifting at 300 rpm", f"it vibrates at {started.motion.frequency:.0f} Hz"):
+        assert text in first
+        assert text in page
+    assert "not known whether it becomes steady" not in page
+    for one in drawn:  # the chart says the same of the point of operation
+        row, column = np.abs(one.force).argmin(), np.abs(one.speed - 0.015).argmin()
+        assert KINDS[one.kind[row, column]] == {1: "jerks_from_rest", -1: "kinematic_constraint"}[one.direction]

@@ -231,6 +231,8 @@ def assess(sheet: Sheet, samples: int = 4096, seed: int = 1) -> Assessment:
         perturbed = replace(perturbed, occurs=True, there=nominal.there, **sure)
     starter = Starter(sheet)
     started = _started(nominal.there, mechanisms, perturbed, spread, starter)
+    if started.unstable and started.jerks and perturbed.occurs is None:  # for a start from rest is a perturbation
+        perturbed = replace(perturbed, occurs=True, there=started.there)
     worst = _worst_motion(sheet, mechanisms, spread) if spread.cases else nominal
     after = _ripple(draw)
     found = Assessment(draw, seed, mechanisms, perturbed, edges[ANY], spread, nominal, worst, rows, started, after)
@@ -287,11 +289,18 @@ def _started(
     lowest = min(middle, *(case for case, _ in spread.cases.values()), 1.0)
     if sheet.stiff and not sheet.followed and lowest > 0:  # then slip shrinks every area
         return FromRest(False, there, 0.0)
-    if not sheet.followed and (middle == 0 or any(one.occurs for one in mechanisms.values())):
-        # A start from rest tells nothing new: it cannot become steady, as nothing damps it, or worse.
-        return FromRest(None, there, None)
+    runs = {way: {"direction": "out" if way > 0 else "back"} for way in sheet.directions}
+    parts = {way: sheet.model_copy(update={"operation": sheet.operation.model_copy(update=runs[way])}) for way in runs}
+    found = {way: worst(replace(draw, sheet=own)) for way, own in parts.items() if not sheet.followed}
+    reserves = {way: min(own[name].reserve[0] for name in mechanisms) for way, own in found.items()}
+    unstable = tuple(way for way, reserve in reserves.items() if reserve < 0)
+    left = [way for way in sheet.directions if way not in unstable]
+    if not left or (middle == 0 and not sheet.followed):  # it cannot become steady, as nothing damps it, or worse
+        return FromRest(None, there, None, unstable=unstable)
+    sheet = sheet if left[1:] else parts[left[0]]
     shares = (spread.points[:, : starter.draws], ends(sheet, starter.ends)) if sheet.random else ()
-    return from_rest(draw, starter, *((Draw.of(sheet, one) for one in part.T) for part in shares))
+    own = from_rest(replace(draw, sheet=sheet), starter, *((Draw.of(sheet, one) for one in part.T) for part in shares))
+    return replace(own, there=replace(own.there, draw=draw), unstable=unstable)
 
 
 def _upset(motion: AssessedMotion) -> bool:

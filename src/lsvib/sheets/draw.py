@@ -30,7 +30,7 @@ from lsvib.sheets.formulas import (
     square_coefficient,
     thread_geometry,
 )
-from lsvib.sheets.move import Course, course
+from lsvib.sheets.move import Course, course, started
 from lsvib.sheets.reserves import reserves, without
 from lsvib.sheets.sheet import Sheet
 from lsvib.sheets.threads import SCREW_MATERIALS
@@ -312,6 +312,13 @@ class Operation:
         given = {**parameters, **(self.draw.friction_law if self.draw.sheet.friction.law else {})}
         return Drive(**{key: zero_if_close(key, float(value)) for key, value in given.items()})
 
+    def started(self, drive: Drive, work: float = 1e5) -> tuple[float, ...]:
+        """Return the state of a drive after the ramp of the sheet from rest; empty without a ramp."""
+        if (run := self.draw.run) is None:
+            return ()
+        ramp = float(run.ramp * self.speed / self.draw.values["speed_high"])
+        return tuple(started(drive, self.draw.sheet.operation.move, ramp, work=work).end_state[:-1].tolist())
+
     def motion(self, perturbation: float | None = vibration.NUDGE, stiff: bool = False) -> vibration.Vibration:
         """Return the motion from near steady sliding, u = 0, w = ``perturbation`` Ω, or None from rest, to its end.
 
@@ -319,7 +326,8 @@ class Operation:
         unless the sheet has a law of friction.
         """
         try:
-            return vibration.vibration(self.rigid if stiff else self.drive, perturbation)
+            drive = self.rigid if stiff else self.drive
+            return vibration.vibration(drive, perturbation, self.started(drive) if perturbation is None else ())
         except (InputError, EngineError) as error:
             return vibration.Vibration(() if stiff else self.draw.sheet.parts, "unknown", reason=str(error))
 

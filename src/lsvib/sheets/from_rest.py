@@ -1,11 +1,12 @@
 """What a drive does when it is switched on: the screw stands with the coupling relaxed, and the motor begins to turn.
 
-The motions are those of :mod:`lsvib.stability.starting`, at the ends of the range of forces in each direction; and the
-operating chart, which says what happens at each speed and force.
+The motions are those of :mod:`lsvib.stability.starting`, with the ramp of the sheet if it has one, at the ends of the
+range of forces in each direction; and the operating chart, which says what happens at each speed and force.
 """
 
 import math
 from collections.abc import Iterable
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import pairwise, product
@@ -15,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lsvib.drives.drive import STATIC
-from lsvib.errors import InputError
+from lsvib.errors import EngineError, InputError
 from lsvib.sheets.draw import Draw, Operation
 from lsvib.sheets.sheet import Sheet
 from lsvib.sheets.vibration import Vibration
@@ -44,12 +45,10 @@ class Starter:
 
     def evenly(self, there: Operation, stiff: bool = False) -> bool | None:
         """Whether a drive, or the one with rigid parts, comes to run evenly; None where it is not known."""
-        try:
+        work, found = self.work if self.left > 0 else _LEAST, None
+        with suppress(InputError, EngineError):  # out of range, or with a ramp that takes too long
             drive = there.rigid if stiff else there.drive
-        except InputError:
-            return None
-        work = self.work if self.left > 0 else _LEAST
-        found = runs_evenly(drive, work)
+            found = runs_evenly(drive, work, there.started(drive, work))
         self.left -= work if found is None else 0
         return found
 
@@ -65,7 +64,8 @@ class FromRest:
     ``threads``, ``guide`` or ``bearing``, without whose surplus of friction at rest it runs evenly, ``static``, without
     that of all of these, ``law``, without any change of friction with the speed, ``unknown``, or empty. Of ``drawn``
     random drives ``jerky`` ones do so there, of ``unknown`` ones it is not known; ``ends``: whether one with all
-    uncertain entries at an end of theirs does, at the lowest speed.
+    uncertain entries at an end of theirs does, at the lowest speed. ``unstable``: directions of travel in which no
+    drive is started, as steady running is unstable there.
     """
 
     jerks: bool | None
@@ -77,6 +77,7 @@ class FromRest:
     jerky: int = 0
     unknown: int = 0
     ends: bool | None = False
+    unstable: tuple[int, ...] = ()
 
     @property
     def share(self) -> float | None:
@@ -150,12 +151,12 @@ def speeds(draw: Draw) -> list[float]:
 def places(draw: Draw) -> list[Place]:
     """Where a drive is started: in each direction under both ends and the middle of its forces, as far as they differ.
 
-    Where rigid threads alone rub, the same at any speed, the end that pushes more, weight included, is enough if both
-    push the same way.
+    Where rigid threads alone rub, the same at any speed, and no ramp is given, the end that pushes more, weight
+    included, is enough if both push the same way.
     """
     weight, low, high = draw.weight, draw.values["force_low"], draw.values["force_high"]
     forces = [high, 0.5 * (low + high), low] if high != low else [low]
-    if draw.sheet.stiff and not (draw.sheet.dry or draw.sheet.friction.sloped):
+    if draw.sheet.stiff and not (draw.sheet.dry or draw.sheet.friction.sloped or draw.run):
         forces = sorted((low, high), key=lambda force: abs(force + weight))[
             int((low + weight) * (high + weight) >= 0) :
         ]
@@ -166,9 +167,9 @@ def outcomes(draw: Draw, direction: int, turning: NDArray[Any], force: NDArray[A
     """Return 1 where a drive runs evenly from rest, 0 where it does not, NaN where that is not known (force, speed).
 
     Arguments: speeds of the screw [rad/s] and forces [N]. With rigid parts, where only the threads rub and their
-    friction does not change with the speed of sliding, every motion is multiplied if speed and whole force are, so that
-    their ratio decides: it is sampled on either side of zero, and each change is closed in on. Else a point has the
-    answer of the nearest of 9 by 9.
+    friction does not change with the speed of sliding, and without a ramp, every motion is multiplied if speed and
+    whole force are, so that their ratio decides: it is sampled on either side of zero, and each change is closed in on.
+    Else a point has the answer of the nearest of 9 by 9.
     """
 
     starter = Starter(draw.sheet)
@@ -178,7 +179,7 @@ def outcomes(draw: Draw, direction: int, turning: NDArray[Any], force: NDArray[A
         found = starter.evenly(Operation(draw, direction, speed, push))
         return math.nan if found is None else float(found)
 
-    if not draw.sheet.stiff or draw.sheet.dry or draw.sheet.friction.sloped:
+    if not draw.sheet.stiff or draw.sheet.dry or draw.sheet.friction.sloped or draw.run:
         speeds, forces = (np.linspace(axis[0], axis[-1], 9) for axis in (turning, force))
         table = np.array([[asked(speed, push) for speed in speeds.tolist()] for push in forces.tolist()])
         return table[np.ix_(_nearest(forces, force), _nearest(speeds, turning))]

@@ -75,7 +75,8 @@ def solved(values: Mapping[str, Any], entry: str, goal: str) -> Solved:
         row = "motor_torque" if geared else "lifting_torque"
     row, asked = row.replace(".", "_"), row
     if row not in ABOUT:
-        raise InputError(f"{plainly(asked)} is not one of the rows of statics: motor.torque, {', '.join(ABOUT)}.")
+        more = "; changes that end vibration are listed in the answer without --solve."
+        raise InputError(f"{plainly(asked)} is not one of the rows of statics: motor.torque, {', '.join(ABOUT)}{more}")
     ranges = dict(_ranges(Sheet))
     if entry not in ranges:
         own = [one for one in ranges if one.split(".")[0] == entry.split(".")[0]] or ranges

@@ -9,14 +9,14 @@ from numpy.typing import NDArray
 
 from lsvib.drives.automata import automaton_of
 from lsvib.drives.drive import Drive
-from lsvib.drives.model import model_of
+from lsvib.drives.model import standing_state
 from lsvib.drives.scene import Command
 from lsvib.errors import EngineError, InputError, WorkSpentError
 from lsvib.sheets.drive_entries import Move
 from lsvib.sheets.formulas import Values
 
 SETTLED = 0.01  # of the speed: a ripple below it counts as gone, and what is rounded as the same
-_PIECES = 12  # of half an s-curve, of which a command is made; what they add is far below SETTLED
+_PIECES, _FEW = 12, 2  # of half an s-curve in a command; what 12 add is far below SETTLED; 2 if only its end is asked
 _SAMPLES = 2000
 _GIVEN = ("distance", "time", "speed", "acceleration_time")
 _WORK = 20_000.0  # units of an ordinary event: a tenth of a second, or two
@@ -89,33 +89,40 @@ class Ripple:
     reason: str | None = None
 
 
-def ripple(drive: Drive, move: Move | None, ramp: float, looked: float) -> Ripple:
-    """Return what is left of the start of a drive from rest to its speed in a ``ramp`` [s], for the time ``looked``.
+def started(drive: Drive, move: Move | None, ramp: float, looked: float = 0.0, work: float = _WORK) -> Any:
+    """Return the motion from rest to the speed of a drive in a ``ramp`` [s], and for the time ``looked`` after it.
 
-    A ``move`` that goes back then does so likewise, with no stay where it turns.
+    If it is looked at, a ``move`` that goes back then does so likewise, with no stay where it turns.
     """
-    from lsvib.systems.attractor import orbit_extremes  # the engine is loaded by what follows a motion
-    from lsvib.systems.motion import Budget, follow
+    from lsvib.systems.motion import Budget, follow  # the engine is loaded by what follows a motion
 
-    part = np.linspace(0.0, 1.0, 2 * _PIECES + 1 if move and move.profile == "s-curve" else 2)
+    curved, pieces = move is not None and move.profile == "s-curve", 2 * (_PIECES if looked else _FEW)
+    part = np.linspace(0.0, 1.0, pieces + 1 if curved else 2)
     times, shares = part * ramp, np.where(part < 0.5, 2 * part**2, 1 - 2 * (1 - part) ** 2)
-    if move and move.back:
+    if looked and move and move.back:
         times = np.concatenate([times, ramp + looked + times, 2 * ramp + looked + times[1:]])
         shares = np.concatenate([shares, 1 - shares, -shares[1:]])
+    if curved and {"support", "threads"} & set(drive.parts):  # of as many pieces: seconds
+        raise InputError("an s-curve cannot be computed with a compliant support or threads.")
+    command = Command(times=tuple(times), speeds=tuple(drive.input_speed * shares))
+    start = np.append(standing_state(drive), 0.0)  # by the command's clock
+    motion = follow(automaton_of(drive, command=command), start, times[-1] + looked, budget=Budget(work))
+    if motion.end_time < times[-1] + looked:
+        raise WorkSpentError("the motion takes too long to compute.")
+    return motion
+
+
+def ripple(drive: Drive, move: Move | None, ramp: float, looked: float) -> Ripple:
+    """Return what is left of the start of a drive, see :func:`started`."""
+    from lsvib.systems.attractor import orbit_extremes
+
     try:
-        if len(part) > 2 and {"support", "threads"} & set(drive.parts):  # of as many pieces: seconds
-            raise InputError("an s-curve cannot be computed with a compliant support or threads.")
-        command = Command(times=tuple(times), speeds=tuple(drive.input_speed * shares))
-        definition, automaton = model_of(drive), automaton_of(drive, command=command)
-        start = np.append(definition.initial_state(drive, definition.from_rest(drive)), 0.0)  # by the command's clock
-        motion = follow(automaton, start, times[-1] + looked, budget=Budget(_WORK))
-        if motion.end_time < times[-1] + looked:
-            raise WorkSpentError("the motion takes too long to compute.")
-        torque = max(map(abs, orbit_extremes(motion, automaton.functional("coupling_torque"))))
+        motion = started(drive, move, ramp, looked)
+        torque = max(map(abs, orbit_extremes(motion, motion.automaton.functional("coupling_torque"))))
     except (InputError, EngineError) as error:
         return Ripple(reason=str(error))
     times = ramp + looked * np.linspace(0.0, 1.0, _SAMPLES) ** 2  # the first swings, which are the largest, most finely
-    speeds = automaton.observe("load_speed", *motion.at(times))
+    speeds = motion.automaton.observe("load_speed", *motion.at(times))
     final = drive.input_speed * drive.pitch_radius * math.tan(drive.lead_angle)
     off = np.flatnonzero(np.abs(speeds - final) > SETTLED * abs(final))
     settled = 0.0 if not off.size else None if off[-1] == _SAMPLES - 1 else float(times[off[-1] + 1] - ramp)

@@ -88,7 +88,8 @@ def assess(
 def _told(sheet: Sheet, found: Assessment | None, answer: Solved | None) -> dict[str, Any]:
     """What is said of a sheet, of what was ``found`` unless it asks for a size only, and of an entry solved for."""
     result = as_json(found) if found else _of_statics(sheet)
-    more = {"brief": [answer.sentence, *result["brief"]], "solved": answer.as_json()} if answer else {}
+    first = answer and f"{answer.sentence} What follows is for {'the first' if answer.values[1:] else 'this'} value."
+    more = {"brief": [first, *result["brief"]], "solved": answer.as_json()} if answer else {}
     return result | more
 
 
@@ -209,6 +210,7 @@ def _from_rest_json(found: FromRest) -> dict[str, Any]:
     even = None if found.even_speed == math.inf else found.even_speed
     return {
         "jerks": found.jerks,
+        "unstable_directions": list(found.unstable),
         "even_speed": even,
         "even_load_speed": even and travel * even,
         "at_no_speed_tried": found.even_speed == math.inf,

@@ -61,7 +61,8 @@ def said(name: str, *about: Any) -> str:
 
 def brief(assessment: Assessment) -> list[str]:
     """Return the short answer for the shell, a sentence or two to a line: verdict, statics, limits, three changes."""
-    known = 0 < (assessment.from_rest.even_speed or 0.0) < math.inf
+    started = assessment.from_rest
+    known = started.jerks is not None if started.unstable else 0 < (started.even_speed or 0.0) < math.inf
     told = assessment.vibration not in ("vibrates", "steady without reserve") or known
     first = f"{said('verdict', assessment)} {said('from_rest', assessment.from_rest) if told else ''}".strip()
     advised = ("changes", "purchases") if assessment.vibration in ("vibrates", "jerks") else ()

@@ -71,15 +71,15 @@ class Vibration:
         return self.frequency is not None and 20.0 <= self.frequency <= 20e3
 
 
-def vibration(drive: Drive, perturbation: float | None) -> Vibration:
+def vibration(drive: Drive, perturbation: float | None, state: tuple[float, ...] = ()) -> Vibration:
     """Follow the motion of a drive from near steady sliding, u = 0, w = ``perturbation`` Ω, or from rest, to its end.
 
-    ``perturbation``: None for a start from rest. Raises ``InputError`` or ``EngineError`` where it is not known what
-    the motion ends in.
+    ``perturbation``: None for a start from rest, or from a ``state``. Raises ``InputError`` or ``EngineError`` where
+    it is not known what the motion ends in.
     """
     parts, law = drive.parts, friction.depends_on_speed(drive) or drive.static_friction_coefficient
     most = _WORK_OF_LAW if law else _WORK_OF_PARTS if parts else _WORK_OF_RIGID
-    definition, automaton, start, end = _ended(drive, perturbation, most // max(1, len(parts) ** 2))
+    definition, automaton, start, end = _ended(drive, perturbation, most // max(1, len(parts) ** 2), state)
     words = plain(end.label)
     try:
         start, span, times, states = _shown(drive, definition, automaton, start, end)
@@ -103,17 +103,17 @@ def after_knock(drive: Drive) -> str:
 
 
 def _ended(
-    drive: Drive, perturbation: float | None, most_work: int
+    drive: Drive, perturbation: float | None, most_work: int, state: tuple[float, ...] = ()
 ) -> "tuple[Model, Automaton, dict[str, float], SteadyState]":
     """Model and automaton of a drive, the start of a motion, at rest without a perturbation, and its end."""
     from lsvib.systems.attractor import steady_state
 
     definition = model_of(drive)
-    start = definition.from_rest(drive)
+    start = dict(zip(definition.states, state, strict=True)) if state else definition.from_rest(drive)
     if perturbation is not None:
         start = {"u": 0.0, "w": perturbation * drive.input_speed}
-    automaton, state = automaton_of(drive), definition.initial_state(drive, start)
-    return definition, automaton, start, steady_state(automaton, state, max_events=most_work)
+    automaton, first = automaton_of(drive), definition.initial_state(drive, start)
+    return definition, automaton, start, steady_state(automaton, first, max_events=most_work)
 
 
 def _shown(

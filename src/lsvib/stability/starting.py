@@ -41,8 +41,8 @@ _NEAR = 1e-3  # the same, where a person asks from which speed on
 
 
 @once
-def runs_evenly(drive: Drive, work: int = 300_000) -> bool | None:
-    """Whether the motion from rest ends in steady sliding; None where that is not known, with so much ``work``.
+def runs_evenly(drive: Drive, work: int = 300_000, state: tuple[float, ...] = ()) -> bool | None:
+    """Whether the motion from rest, or from a ``state``, ends in steady sliding; None where ``work`` does not suffice.
 
     A vibration that has kept its size over the last thousand events, and more, counts as one that goes on.
 
@@ -52,18 +52,18 @@ def runs_evenly(drive: Drive, work: int = 300_000) -> bool | None:
     from lsvib.systems.attractor import Attractor, Doubt
 
     try:
-        found = end_from_rest(drive, work)
+        found = end_from_rest(drive, work, state)
     except (InputError, EngineError):
         return None
     known = found.label != Attractor.UNRESOLVED or found.doubt == Doubt.RECURRENT
     return found.label == Attractor.STEADY_SLIDING if known else None
 
 
-def end_from_rest(drive: Drive, work: int = 300_000) -> "SteadyState":
-    """Return what the motion from rest ends in; raises ``EngineError`` where events accumulate or it grows."""
+def end_from_rest(drive: Drive, work: int = 300_000, state: tuple[float, ...] = ()) -> "SteadyState":
+    """Return what the motion from rest or a ``state`` ends in; ``EngineError`` where events accumulate or it grows."""
     from lsvib.systems.attractor import steady_state  # the engine, which other thresholds do without
 
-    return steady_state(automaton_of(drive), standing_state(drive), max_events=work)
+    return steady_state(automaton_of(drive), state or standing_state(drive), max_events=work)
 
 
 def even_from(evenly: Callable[[float], bool | None], tried: Sequence[float], high: float) -> float | None:
