@@ -16,7 +16,7 @@ from lsvib.drives.chapter import THRESHOLDS, claims
 
 FIGURES = (*configuration.FIGURES, "measured_drive")  # of the benchmarks the one with claims in chapter.yaml
 QUICK, LONG = ["fig8_02", "fig8_08"], ["fig8_12", "fig8_14", "measured_drive"]  # half of the time
-MANY = ["fig8_04", "fig8_06", "fig8_10", *LONG]  # of clauses and variables
+MANY = ["fig8_01", "fig8_04", "fig8_06", "fig8_07", "fig8_10", "fig8_13", "fig8_15", *LONG]  # of clauses and variables
 
 
 def figures(long):

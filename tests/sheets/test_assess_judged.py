@@ -115,7 +115,7 @@ def failing(own: OwnSheet, found: dict) -> Iterator[str]:
             yield f"{what} times {factor} ends nothing: growth {growth:.3g}, goes on at {stuck}"
 
 
-@pytest.mark.parametrize("seeds", sizes([range(2)], [[2, 4, 5]], [[3, *range(6, 310)]]), ids=len)
+@pytest.mark.parametrize("seeds", sizes([range(2)], [[2]], [range(3, 310)]), ids=len)
 def test_nothing_that_is_said_of_a_random_sheet_is_contradicted(seeds):
     wrong, slow, verdicts, unknown = [], [], Counter(), Counter()
     for seed in seeds:

@@ -131,8 +131,12 @@ def stability(*, changes: Changes = None, scene: SceneFile = None, as_json: AsJs
 
         lsvib stability --set screw_mass=11.6 --set support_stiffness=1e6 --set mass=15 --set friction_coefficient=0.3
     """
-    from lsvib.answers.motion import as_scene
-    from lsvib.api import Drive
+    if scene is None:
+        drive = drive_of(changes)
+    else:
+        from lsvib.answers.motion import as_scene  # which loads the engine
+        from lsvib.api import Drive
 
-    report = Drive.of(as_scene(scene, {}, dict(changes or ())).drive if scene else dict(changes or ())).stability()
+        drive = Drive.of(as_scene(scene, {}, dict(changes or ())).drive)
+    report = drive.stability()
     show(report.to_json(), as_json, report.text())
