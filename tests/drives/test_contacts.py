@@ -73,7 +73,7 @@ def start_of(drive: Drive, rng) -> np.ndarray:
     return start
 
 
-@pytest.mark.parametrize("seeds", sizes([[*range(10), 29]], [range(10, 20)], [range(20, 300)]), ids=len)
+@pytest.mark.parametrize("seeds", sizes([[*range(10), 29]], [range(10, 40)], [range(40, 300)]), ids=len)
 def test_modes_and_events_are_those_that_newtons_laws_allow(seeds):
     """Of drives with static friction in threads, guide and bearing, with any parts, commands and laws."""
     kinds, parts = [], set()
