@@ -114,13 +114,14 @@ def test_origin_says_which_values_are_printed():
     assert dataset_of("fig8_14").support_damping.origin == "printed: Fig. 8.14"  # not as its map, which knows no place
 
 
-def test_own_values_are_said_to_be_set_by_the_user_and_pass_the_checks_of_figure_8_9():
+def test_own_values_are_said_to_be_set_by_the_user_and_pass_all_but_what_holds_for_those_of_figure_8_9():
     own = {"drive": {"support_damping": 1e-3, "axial_force": 50.0}, "cases": [{"mass": 10.0}, {"mass": 12.0}]}
     dataset = build.dataset_of("fig8_09", coarse("fig8_09") | own)
     found = {name: dataset[name].origin for name in ("support_damping", "mass", "axial_force", "input_speed")}
     assert [*found.values()] == [GIVEN, f"{GIVEN}, except 10 (printed: Sect. 8.6.1)", ASSUMED, "printed: Table 8.1"]
     assert "Set by the user: c = 10⁻³ N m s rad⁻¹, m = 12 kg." in build.caption_of("fig8_09", dataset)
-    assert [check.sentence() for check in checks_of("fig8_09", dataset) if not check.passed] == []
+    clauses = {name: one["passed"] for check in checks_of("fig8_09", dataset) for name, one in check.clauses.items()}
+    assert [name for name, passed in clauses.items() if not passed] == ["swing"]  # 5 %, not 2, over the axial force
 
 
 def test_a_single_sample_that_is_off_shows():

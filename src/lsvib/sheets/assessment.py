@@ -1,6 +1,7 @@
 """The whole verdict on one data sheet, as values ready for the report, the dataset and JSON, with its resonances."""
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -160,12 +161,8 @@ class Assessment:
     @cached_property
     def unstable(self) -> list[int]:
         """The directions of travel in which steady running is unstable at the middle values."""
-        sheet, found = self.draw.sheet, []
-        for way in sheet.directions:
-            run = sheet.operation.model_copy(update={"direction": "out" if way > 0 else "back"})
-            lowest = worst(replace(self.draw, sheet=sheet.model_copy(update={"operation": run})))
-            found += [way] if any(lowest[name].reserve[0] < 0 for name in self.mechanisms) else []
-        return found
+        ways = _by_direction(self.draw.sheet)
+        return [way for way, sheet in ways.items() if _lowest(self.draw, sheet, self.mechanisms) < 0]
 
     @cached_property
     def omitted(self) -> dict[str, float | None]:
@@ -289,18 +286,27 @@ def _started(
     lowest = min(middle, *(case for case, _ in spread.cases.values()), 1.0)
     if sheet.stiff and not sheet.followed and lowest > 0:  # then slip shrinks every area
         return FromRest(False, there, 0.0)
-    runs = {way: {"direction": "out" if way > 0 else "back"} for way in sheet.directions}
-    parts = {way: sheet.model_copy(update={"operation": sheet.operation.model_copy(update=runs[way])}) for way in runs}
-    found = {way: worst(replace(draw, sheet=own)) for way, own in parts.items() if not sheet.followed}
-    reserves = {way: min(own[name].reserve[0] for name in mechanisms) for way, own in found.items()}
-    unstable = tuple(way for way, reserve in reserves.items() if reserve < 0)
-    left = [way for way in sheet.directions if way not in unstable]
+    ways = _by_direction(sheet)
+    unstable = () if sheet.followed else tuple(way for way in ways if _lowest(draw, ways[way], mechanisms) < 0)
+    left = [way for way in ways if way not in unstable]
     if not left or (middle == 0 and not sheet.followed):  # it cannot become steady, as nothing damps it, or worse
         return FromRest(None, there, None, unstable=unstable)
-    sheet = sheet if left[1:] else parts[left[0]]
+    sheet = sheet if left[1:] else ways[left[0]]
     shares = (spread.points[:, : starter.draws], ends(sheet, starter.ends)) if sheet.random else ()
     own = from_rest(replace(draw, sheet=sheet), starter, *((Draw.of(sheet, one) for one in part.T) for part in shares))
     return replace(own, there=replace(own.there, draw=draw), unstable=unstable)
+
+
+def _by_direction(sheet: Sheet) -> dict[int, Sheet]:
+    """A sheet for each direction of travel alone."""
+    runs = {way: {"direction": "out" if way > 0 else "back"} for way in sheet.directions}
+    return {way: sheet.model_copy(update={"operation": sheet.operation.model_copy(update=runs[way])}) for way in runs}
+
+
+def _lowest(draw: Draw, sheet: Sheet, mechanisms: Iterable[str]) -> float:
+    """The lowest reserve of some mechanisms over the window of a sheet."""
+    found = worst(replace(draw, sheet=sheet))
+    return float(min(found[name].reserve[0] for name in mechanisms))
 
 
 def _upset(motion: AssessedMotion) -> bool:
